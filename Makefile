@@ -1,0 +1,65 @@
+# make compare · make test · make figures · make bench · make reference · make check
+# Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+REFERENCE := .venv-reference
+
+# One CPU device per core: runs are sharded over devices, lanes are vectorised within each.
+CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
+
+.DEFAULT_GOAL := help
+.PHONY: help setup compare test figures bench reference check format clean
+
+help:
+	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
+	@echo "make test       the test suite"
+	@echo "make figures    redraw the table and figures of results/compare.nc"
+	@echo "make bench      timings of the fitness, the optimisers and the whole comparison"
+	@echo "make reference  tests against MuJoCo, pymoo, pyswarms (own environment)"
+	@echo "make check      lint, format and types"
+
+define new_environment
+	@$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info < (3, 14) else "jaxsusp needs Python 3.11 to 3.13, but $(PYTHON) is " + sys.version.split()[0] + "; run: make PYTHON=/path/to/python3.12")'
+	rm -rf $(1)
+	$(PYTHON) -m venv $(1)
+	PIP_CONSTRAINT=constraints.txt $(1)/bin/python -m pip install --quiet --upgrade pip
+	PIP_CONSTRAINT=constraints.txt $(1)/bin/python -m pip install --quiet --editable . $(2)
+	@touch $(1)/.current
+endef
+
+setup: $(VENV)/.current
+
+$(VENV)/.current: pyproject.toml constraints.txt
+	$(call new_environment,$(VENV),--group dev)
+
+$(REFERENCE)/.current: pyproject.toml constraints.txt
+	$(call new_environment,$(REFERENCE),--group reference)
+
+compare: setup
+	$(BIN)/jaxsusp compare --output results
+
+figures: setup
+	$(BIN)/jaxsusp report results/compare.nc --output results
+
+test: setup
+	$(BIN)/python -m pytest
+
+bench: setup
+	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks
+
+reference: $(REFERENCE)/.current
+	$(REFERENCE)/bin/python -m pytest tests/reference
+
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+
+format: setup
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:
+	rm -rf $(VENV) $(REFERENCE) build dist .pytest_cache .ruff_cache

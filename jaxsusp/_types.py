@@ -1,0 +1,13 @@
+"""Axis names that mean the same thing in every signature of the package.
+
+`runs` independent repetitions, `pop` members of a population, `dim` decision variables (D = 3m),
+`samples` points of a trajectory in time, `cables` (one per robot, K), `waypoints` (m), `xyz`
+Cartesian coordinates, `boxes`/`cylinders`/`spheres` obstacles of one kind. `*batch` is any number
+of trailing candidate axes: wherever it appears, time (or the waypoint, or the cable) comes first
+and the candidates come last, so that XLA's inner loop runs over candidates.
+"""
+
+from jax import Array
+from jaxtyping import Bool, Float, Int, Key, PyTree, Shaped
+
+__all__ = ["Array", "Bool", "Float", "Int", "Key", "PyTree", "Shaped"]

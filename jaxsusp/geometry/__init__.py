@@ -1,0 +1,1 @@
+"""Sect. 4.1: packed obstacles, segment tests and exact collision counts."""

@@ -1,0 +1,93 @@
+"""Obstacles as arrays, packed per kind so that scenarios of different contents stack (spec §5).
+
+Every kind is padded to a fixed count; `active` is False for the padding, which never counts.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxsusp._types import Array, Bool, Float
+from jaxsusp.vec3 import Vec3
+
+
+class Boxes(NamedTuple):
+    """Upright boxes turned about the vertical axis (m)."""
+
+    center: Vec3
+    half: Vec3
+    cos_yaw: Float[Array, "*stack boxes"]
+    sin_yaw: Float[Array, "*stack boxes"]
+    active: Bool[Array, "*stack boxes"]
+
+    def to_own_frame(self, point: Vec3) -> Vec3:
+        """World position → this box's frame, origin at its centre."""
+        return self.turn(point - self.center)
+
+    def turn(self, vector: Vec3) -> Vec3:
+        """World direction → this box's frame."""
+        return vector.rotate_z(self.cos_yaw, -self.sin_yaw)
+
+
+class Cylinders(NamedTuple):
+    """Vertical cylinders (m)."""
+
+    center: Vec3
+    radius: Float[Array, "*stack cylinders"]
+    half_height: Float[Array, "*stack cylinders"]
+    active: Bool[Array, "*stack cylinders"]
+
+
+class Spheres(NamedTuple):
+    """Spheres (m)."""
+
+    center: Vec3
+    radius: Float[Array, "*stack spheres"]
+    active: Bool[Array, "*stack spheres"]
+
+
+class Obstacles(NamedTuple):
+    """All obstacles of a scenario."""
+
+    boxes: Boxes
+    cylinders: Cylinders
+    spheres: Spheres
+
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """Padded number of boxes, cylinders and spheres (per scenario where stacked)."""
+        return (
+            self.boxes.active.shape[-1],
+            self.cylinders.active.shape[-1],
+            self.spheres.active.shape[-1],
+        )
+
+
+def pack(
+    boxes: np.ndarray, cylinders: np.ndarray, spheres: np.ndarray, counts: tuple[int, int, int]
+) -> Obstacles:
+    """Pack obstacles given one per row into float64 host arrays, padded to `counts`.
+
+    Args:
+        boxes: rows (x, y, z, half x, half y, half z, yaw), m and rad.
+        cylinders: rows (x, y, z, radius, half-height), m.
+        spheres: rows (x, y, z, radius), m.
+        counts: padded number of each kind, at least the number of rows.
+    """
+    box, box_active = _padded(boxes, 7, counts[0])
+    cylinder, cylinder_active = _padded(cylinders, 5, counts[1])
+    sphere, sphere_active = _padded(spheres, 4, counts[2])
+    return Obstacles(
+        Boxes(Vec3(*box[:3]), Vec3(*box[3:6]), np.cos(box[6]), np.sin(box[6]), box_active),
+        Cylinders(Vec3(*cylinder[:3]), cylinder[3], cylinder[4], cylinder_active),
+        Spheres(Vec3(*sphere[:3]), sphere[3], sphere_active),
+    )
+
+
+def _padded(rows: np.ndarray, columns: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    rows = np.asarray(rows, np.float64).reshape(-1, columns)
+    if len(rows) > count:
+        raise ValueError(f"{len(rows)} obstacles do not fit into {count} places")
+    padded = np.zeros((count, columns))
+    padded[: len(rows)] = rows
+    return padded.T.copy(), np.arange(count) < len(rows)

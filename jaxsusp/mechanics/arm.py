@@ -1,0 +1,102 @@
+"""Towing robots: a vertical column a1 and two links a2, a3 (spec §2; Eq. 1).
+
+Angles are radians and lengths metres; the base frame is parallel to the world frame.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Bool, Float
+
+
+class InverseSolution(NamedTuple):
+    """Both elbow branches of one end position."""
+
+    elbow_up: Float[Array, "*batch joints"]
+    elbow_down: Float[Array, "*batch joints"]
+    reachable: Bool[Array, "*batch"]
+
+
+def forward(
+    base: Float[Array, "*#batch xyz"],
+    links: Float[Array, "*#batch joints"],
+    joints: Float[Array, "*#batch joints"],
+) -> Float[Array, "*batch xyz"]:
+    """End position P_k of a robot by the D-H chain (Eq. 1), placed at its base.
+
+    Args:
+        base: O_k in the world frame (m).
+        links: (a1, a2, a3) (m).
+        joints: (φ1, φ2, φ3) (rad); φ2 is measured from the vertical, φ3 from the first link.
+
+    Returns:
+        P_k in the world frame (m).
+    """
+    a1, a2, a3 = _split(links)
+    phi1, phi2, phi3 = _split(joints)
+    radial = a2 * jnp.sin(phi2) + a3 * jnp.sin(phi2 + phi3)
+    vertical = a1 + a2 * jnp.cos(phi2) + a3 * jnp.cos(phi2 + phi3)
+    offset = (radial * jnp.cos(phi1), radial * jnp.sin(phi1), vertical)
+    return base + jnp.stack(jnp.broadcast_arrays(*offset), axis=-1)
+
+
+def elbow(
+    base: Float[Array, "*#batch xyz"],
+    links: Float[Array, "*#batch joints"],
+    joints: Float[Array, "*#batch joints"],
+) -> Float[Array, "*batch xyz"]:
+    """Position of the joint between the two links (m), for drawing and clearance checks."""
+    a1, a2, _ = _split(links)
+    return forward(base, jnp.stack([a1, a2, 0 * a2], axis=-1), joints)
+
+
+def inverse(
+    base: Float[Array, "*#batch xyz"],
+    links: Float[Array, "*#batch joints"],
+    end: Float[Array, "*#batch xyz"],
+) -> InverseSolution:
+    """Joint angles of an end position, closed form, both elbow branches.
+
+    φ1 from atan2; (φ2, φ3) from the two-link triangle with its shoulder at height a1. The
+    horizontal reach is taken non-negative: the mirror poses φ1 + π are not enumerated. Above the
+    base axis φ1 is 0 by convention. An unreachable end gives the stretched (or folded) arm that
+    points at it, flagged by `reachable`.
+
+    Args:
+        base: O_k in the world frame (m).
+        links: (a1, a2, a3) (m), a2, a3 > 0.
+        end: P_k in the world frame (m).
+
+    Returns:
+        `InverseSolution`: (φ1, φ2, φ3) per branch (rad) and whether the end is in reach.
+    """
+    a1, a2, a3 = _split(links)
+    x, y, z = _split(end - base)
+    radial, vertical = jnp.hypot(x, y), z - a1
+    phi1 = jnp.arctan2(y, x)
+    square = radial**2 + vertical**2
+    bend = jnp.arccos(jnp.clip((square - a2**2 - a3**2) / (2 * a2 * a3), -1, 1))
+    direction = jnp.arctan2(radial, vertical)  # of the end seen from the shoulder, from vertical
+
+    def branch(phi3):
+        offset = jnp.arctan2(a3 * jnp.sin(phi3), a2 + a3 * jnp.cos(phi3))
+        return jnp.stack(jnp.broadcast_arrays(phi1, direction - offset, phi3), axis=-1)
+
+    return InverseSolution(branch(bend), branch(-bend), reachable(base, links, end))
+
+
+def reachable(
+    base: Float[Array, "*#batch xyz"],
+    links: Float[Array, "*#batch joints"],
+    end: Float[Array, "*#batch xyz"],
+) -> Bool[Array, "*batch"]:
+    """Whether the end lies between |a2 - a3| and a2 + a3 from the shoulder."""
+    a1, a2, a3 = _split(links)
+    x, y, z = _split(end - base)
+    distance = jnp.sqrt(x**2 + y**2 + (z - a1) ** 2)
+    return (distance >= jnp.abs(a2 - a3)) & (distance <= a2 + a3)
+
+
+def _split(rows):
+    return rows[..., 0], rows[..., 1], rows[..., 2]

@@ -1,0 +1,1 @@
+"""Sect. 3.2: population optimisers, one contract, one driver."""

@@ -1,0 +1,1 @@
+"""Trajectories through waypoints: Makima interpolation."""

@@ -1,0 +1,136 @@
+"""The world of a scenario as arrays: what JAX sees of it.
+
+A `Scenario` is for people; a `World` is a pytree of coefficients with nothing ragged in it, so
+that worlds of equal robot and (padded) obstacle counts stack and one compiled program serves them
+all. Host code builds it in float64; the fitness casts it to the dtype of its argument.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp._types import Array, Float
+from jaxsusp.geometry.collisions import Bodies
+from jaxsusp.geometry.meshes import bounding_box
+from jaxsusp.geometry.obstacles import Obstacles, pack
+from jaxsusp.vec3 import Vec3
+
+if TYPE_CHECKING:
+    from jaxsusp.scenario import Scenario
+
+GRAVITY = 9.81
+"""m/s², downwards."""
+
+
+class Limits(NamedTuple):
+    """The bounds of Eq. 22 that the fitness counts (N, m, 1)."""
+
+    tension_low: Float[Array, ""]
+    tension_high: Float[Array, ""]
+    length_low: Float[Array, ""]
+    length_high: Float[Array, ""]
+    stability: Float[Array, ""]
+
+
+class World(NamedTuple):
+    """One scenario, or several stacked along a leading axis of every leaf (SI units)."""
+
+    start: Vec3
+    goal: Vec3
+    lower: Vec3  # workspace of the payload's centre
+    upper: Vec3
+    bodies: Bodies
+    obstacles: Obstacles
+    limits: Limits
+    mass: Float[Array, ""]
+    duration: Float[Array, ""]
+    weights: Float[Array, "terms"]
+    kappa: Float[Array, ""]
+
+    @property
+    def cables(self) -> int:
+        """Number of cables K."""
+        return self.bodies.ends.x.shape[-1]
+
+
+def obstacle_counts(scenarios: Sequence["Scenario"]) -> tuple[int, int, int]:
+    """Least padded (boxes, cylinders, spheres) that hold every one of the scenarios."""
+    kinds = [_by_kind(scenario) for scenario in scenarios]
+    boxes, cylinders, spheres = (max(map(len, rows)) for rows in zip(*kinds, strict=True))
+    return boxes, cylinders, spheres
+
+
+def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None) -> World:
+    """Scenario → World, float64 on the host, obstacles padded to `counts` (default: no padding)."""
+    payload, limits, robots = scenario.payload, scenario.limits, scenario.robots
+    attachments = (
+        np.array([[0.0, 0.0, payload.height / 2]])
+        if payload.attachments == "hook"
+        else np.asarray(payload.attachments, np.float64)
+    )
+    bodies = Bodies(
+        radius=np.float64(payload.radius),
+        half_height=np.float64(payload.height / 2),
+        cable_radius=np.float64(limits.cable_radius),
+        clearance=np.float64(limits.clearance),
+        attachments=_vector(attachments),
+        ends=_vector([robot.end for robot in robots]),
+    )
+    rows = _by_kind(scenario)
+    return World(
+        start=_vector(scenario.task.start),
+        goal=_vector(scenario.task.goal),
+        lower=_vector(scenario.workspace.lower),
+        upper=_vector(scenario.workspace.upper),
+        bodies=bodies,
+        obstacles=pack(*rows, counts=counts or obstacle_counts([scenario])),
+        limits=Limits(
+            *map(np.float64, (*limits.tension, *limits.cable_length, limits.stability))
+        ),
+        mass=np.float64(payload.mass),
+        duration=np.float64(scenario.task.duration),
+        weights=np.asarray(scenario.fitness.weights, np.float64),
+        kappa=np.float64(scenario.fitness.kappa),
+    )
+
+
+def stack_worlds(worlds: Sequence[World]) -> World:
+    """Stack worlds of equal static shape along a new leading axis of every leaf."""
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *worlds)
+
+
+def cast_world(world: World, dtype) -> World:
+    """The same world with every floating leaf in `dtype`."""
+
+    def cast(leaf):
+        leaf = jnp.asarray(leaf) if isinstance(leaf, jax.Array) else np.asarray(leaf)
+        return leaf if leaf.dtype == bool else jnp.asarray(leaf, dtype)
+
+    return jax.tree.map(cast, world)
+
+
+def _vector(rows) -> Vec3:
+    """(…, 3) numbers → Vec3 of float64 host arrays."""
+    return Vec3(*np.moveaxis(np.asarray(rows, np.float64), -1, 0).copy())
+
+
+def _by_kind(scenario: "Scenario") -> tuple[list, list, list]:
+    """Rows of boxes, cylinders and spheres as `pack` wants them; a mesh counts as a box."""
+    boxes, cylinders, spheres = [], [], []
+    for obstacle in scenario.obstacles:
+        center = obstacle.center
+        match obstacle.kind:
+            case "box":
+                half = [side / 2 for side in obstacle.size]
+                boxes.append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
+            case "mesh":
+                half = bounding_box(obstacle.path, obstacle.scale) / 2
+                boxes.append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
+            case "cylinder":
+                cylinders.append([*center, obstacle.radius, obstacle.height / 2])
+            case "sphere":
+                spheres.append([*center, obstacle.radius])
+    return boxes, cylinders, spheres
