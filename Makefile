@@ -24,8 +24,8 @@ define new_environment
 	@$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info < (3, 14) else "jaxsusp needs Python 3.11 to 3.13, but $(PYTHON) is " + sys.version.split()[0] + "; run: make PYTHON=/path/to/python3.12")'
 	rm -rf $(1)
 	$(PYTHON) -m venv $(1)
-	PIP_CONSTRAINT=constraints.txt $(1)/bin/python -m pip install --quiet --upgrade pip
-	PIP_CONSTRAINT=constraints.txt $(1)/bin/python -m pip install --quiet --editable . $(2)
+	$(1)/bin/python -m pip install --quiet --constraint constraints.txt --upgrade pip
+	$(1)/bin/python -m pip install --quiet --constraint constraints.txt --build-constraint constraints.txt --editable . $(2)
 	@touch $(1)/.current
 endef
 

@@ -7,7 +7,11 @@ of trailing candidate axes: wherever it appears, time (or the waypoint, or the c
 and the candidates come last, so that XLA's inner loop runs over candidates.
 """
 
-from jax import Array
-from jaxtyping import Bool, Float, Int, Key, PyTree, Shaped
+import jax
+import numpy as np
+from jaxtyping import Bool, Float, Int, Key, PyTree
 
-__all__ = ["Array", "Bool", "Float", "Int", "Key", "PyTree", "Shaped"]
+Array = jax.Array | np.ndarray
+"""Host arrays are welcome wherever device arrays are."""
+
+__all__ = ["Array", "Bool", "Float", "Int", "Key", "PyTree"]

@@ -5,7 +5,7 @@ separate x, y and z arrays, and the formulas read better without index juggling.
 are elementwise, so x, y and z may have any mutually broadcastable shapes.
 """
 
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import jax.numpy as jnp
 
@@ -20,7 +20,7 @@ class Vec3(NamedTuple):
     z: Array
 
     @classmethod
-    def from_array(cls, array: Float[Array, "*batch xyz"]) -> Self:
+    def from_array(cls, array: Float[Array, "*batch xyz"]) -> "Vec3":
         """Split the last axis of length 3."""
         return cls(array[..., 0], array[..., 1], array[..., 2])
 

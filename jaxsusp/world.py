@@ -72,10 +72,10 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
         else np.asarray(payload.attachments, np.float64)
     )
     bodies = Bodies(
-        radius=np.float64(payload.radius),
-        half_height=np.float64(payload.height / 2),
-        cable_radius=np.float64(limits.cable_radius),
-        clearance=np.float64(limits.clearance),
+        radius=_scalar(payload.radius),
+        half_height=_scalar(payload.height / 2),
+        cable_radius=_scalar(limits.cable_radius),
+        clearance=_scalar(limits.clearance),
         attachments=_vector(attachments),
         ends=_vector([robot.end for robot in robots]),
     )
@@ -88,12 +88,12 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
         bodies=bodies,
         obstacles=pack(*rows, counts=counts or obstacle_counts([scenario])),
         limits=Limits(
-            *map(np.float64, (*limits.tension, *limits.cable_length, limits.stability))
+            *map(_scalar, (*limits.tension, *limits.cable_length, limits.stability))
         ),
-        mass=np.float64(payload.mass),
-        duration=np.float64(scenario.task.duration),
+        mass=_scalar(payload.mass),
+        duration=_scalar(scenario.task.duration),
         weights=np.asarray(scenario.fitness.weights, np.float64),
-        kappa=np.float64(scenario.fitness.kappa),
+        kappa=_scalar(scenario.fitness.kappa),
     )
 
 
@@ -114,10 +114,16 @@ def cast_world(world: World, dtype) -> World:
 
 def _vector(rows) -> Vec3:
     """(…, 3) numbers → Vec3 of float64 host arrays."""
-    return Vec3(*np.moveaxis(np.asarray(rows, np.float64), -1, 0).copy())
+    columns = np.moveaxis(np.asarray(rows, np.float64), -1, 0).copy()
+    return Vec3(*(np.asarray(column) for column in columns))
 
 
-def _by_kind(scenario: "Scenario") -> tuple[list, list, list]:
+def _scalar(value: float) -> np.ndarray:
+    """A number as a leaf that stacks and casts like all others."""
+    return np.array(value, np.float64)
+
+
+def _by_kind(scenario: "Scenario") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows of boxes, cylinders and spheres as `pack` wants them; a mesh counts as a box."""
     boxes, cylinders, spheres = [], [], []
     for obstacle in scenario.obstacles:
@@ -133,4 +139,4 @@ def _by_kind(scenario: "Scenario") -> tuple[list, list, list]:
                 cylinders.append([*center, obstacle.radius, obstacle.height / 2])
             case "sphere":
                 spheres.append([*center, obstacle.radius])
-    return boxes, cylinders, spheres
+    return np.array(boxes), np.array(cylinders), np.array(spheres)

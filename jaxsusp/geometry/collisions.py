@@ -17,7 +17,7 @@ from jaxsusp.geometry.segments import (
     segment_meets_cylinder,
     segment_meets_sphere,
 )
-from jaxsusp.vec3 import Vec3, cross, dot, norm
+from jaxsusp.vec3 import Vec3, cross, dot
 
 SINGLE_PRECISION_MARGIN = 1e-4
 """m; added to every inflation when the arithmetic is float32, so that what a search finds clear
@@ -36,12 +36,29 @@ class Bodies(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Every segment of a polyline and the cables' mid positions on it."""
+    """Every segment of a polyline, and half its motion as margins of the swept cables."""
 
     start: Vec3
     stop: Vec3
     middle: Vec3
     step: Vec3
+    half_step: Array  # ½‖Δ‖
+    half_step_xy: Array  # ½‖Δ_xy‖
+
+    @classmethod
+    def of(cls, position: Vec3) -> "Motion":
+        """Segments between consecutive samples along axis 0."""
+        start, stop = position.each(lambda c: c[:-1]), position.each(lambda c: c[1:])
+        step = stop - start
+        plane = step.x**2 + step.y**2
+        return cls(
+            start,
+            stop,
+            0.5 * (start + stop),
+            step,
+            0.5 * jnp.sqrt(plane + step.z**2),
+            0.5 * jnp.sqrt(plane),
+        )
 
 
 def count_collisions(
@@ -57,11 +74,10 @@ def count_collisions(
     Returns:
         The count per trajectory; 0 means clear at every instant of the polyline.
     """
-    start, stop = position.each(lambda c: c[:-1]), position.each(lambda c: c[1:])
-    motion = Motion(start, stop, 0.5 * (start + stop), stop - start)
+    motion = Motion.of(position)
     margin = SINGLE_PRECISION_MARGIN if position.x.dtype == jnp.float32 else 0.0
     bodies = bodies._replace(clearance=bodies.clearance + margin)
-    hits = jnp.zeros(start.x.shape, jnp.int32)
+    hits = jnp.zeros(motion.step.x.shape, jnp.int32)
     for kind, contacts in zip(obstacles, (_with_box, _with_cylinder, _with_sphere), strict=True):
         hits = _accumulate(contacts, kind, motion, bodies, hits)
     return hits.sum(axis=0)
@@ -90,7 +106,7 @@ def _with_box(box: Boxes, motion: Motion, bodies: Bodies) -> Array:
         hook, end_own = middle + box.turn(attachment), box.to_own_frame(end)
         normal = cross(step, end_own - hook)
         cut = jnp.abs(dot(normal, end_own)) <= dot(normal.abs(), half)
-        total += segment_meets_box(hook, end_own, swept) & cut
+        total += (segment_meets_box(hook, end_own, swept) & cut).astype(jnp.int32)
     return total
 
 
@@ -106,14 +122,16 @@ def _with_cylinder(cylinder: Cylinders, motion: Motion, bodies: Bodies) -> Array
     thin = bodies.cable_radius + bodies.clearance
     radius, half_height = cylinder.radius + thin, cylinder.half_height + thin
     middle, step = motion.middle - cylinder.center, motion.step
-    swept_radius = radius + 0.5 * jnp.sqrt(step.x**2 + step.y**2)
+    swept_radius = radius + motion.half_step_xy
     swept_height = half_height + 0.5 * jnp.abs(step.z)
     for attachment, end in _cables(bodies):
         hook, end_own = middle + attachment, end - cylinder.center
         normal = cross(step, end_own - hook)
-        support = jnp.sqrt(normal.x**2 + normal.y**2) * radius + jnp.abs(normal.z) * half_height
-        cut = jnp.abs(dot(normal, end_own)) <= support
-        total += segment_meets_cylinder(hook, end_own, swept_radius, swept_height) & cut
+        beyond_caps = jnp.abs(dot(normal, end_own)) - jnp.abs(normal.z) * half_height
+        beside = beyond_caps**2 <= (normal.x**2 + normal.y**2) * radius**2
+        cut = (beyond_caps <= 0) | beside
+        met = segment_meets_cylinder(hook, end_own, swept_radius, swept_height)
+        total += (met & cut).astype(jnp.int32)
     return total
 
 
@@ -127,12 +145,12 @@ def _with_sphere(sphere: Spheres, motion: Motion, bodies: Bodies) -> Array:
 
     radius = wide + bodies.cable_radius
     middle, step = motion.middle - sphere.center, motion.step
-    swept = radius + 0.5 * norm(step)
+    swept = radius + motion.half_step
     for attachment, end in _cables(bodies):
         hook, end_own = middle + attachment, end - sphere.center
         normal = cross(step, end_own - hook)
         cut = dot(normal, end_own) ** 2 <= dot(normal, normal) * radius**2
-        total += segment_meets_sphere(hook, end_own, swept) & cut
+        total += (segment_meets_sphere(hook, end_own, swept) & cut).astype(jnp.int32)
     return total
 
 

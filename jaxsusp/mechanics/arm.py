@@ -33,12 +33,12 @@ def forward(
     Returns:
         P_k in the world frame (m).
     """
+    base, links, joints = jnp.broadcast_arrays(base, links, joints)
     a1, a2, a3 = _split(links)
     phi1, phi2, phi3 = _split(joints)
     radial = a2 * jnp.sin(phi2) + a3 * jnp.sin(phi2 + phi3)
     vertical = a1 + a2 * jnp.cos(phi2) + a3 * jnp.cos(phi2 + phi3)
-    offset = (radial * jnp.cos(phi1), radial * jnp.sin(phi1), vertical)
-    return base + jnp.stack(jnp.broadcast_arrays(*offset), axis=-1)
+    return base + jnp.stack([radial * jnp.cos(phi1), radial * jnp.sin(phi1), vertical], axis=-1)
 
 
 def elbow(
@@ -71,6 +71,7 @@ def inverse(
     Returns:
         `InverseSolution`: (φ1, φ2, φ3) per branch (rad) and whether the end is in reach.
     """
+    base, links, end = jnp.broadcast_arrays(base, links, end)
     a1, a2, a3 = _split(links)
     x, y, z = _split(end - base)
     radial, vertical = jnp.hypot(x, y), z - a1
@@ -81,7 +82,7 @@ def inverse(
 
     def branch(phi3):
         offset = jnp.arctan2(a3 * jnp.sin(phi3), a2 + a3 * jnp.cos(phi3))
-        return jnp.stack(jnp.broadcast_arrays(phi1, direction - offset, phi3), axis=-1)
+        return jnp.stack([phi1, direction - offset, phi3], axis=-1)
 
     return InverseSolution(branch(bend), branch(-bend), reachable(base, links, end))
 
@@ -92,10 +93,29 @@ def reachable(
     end: Float[Array, "*#batch xyz"],
 ) -> Bool[Array, "*batch"]:
     """Whether the end lies between |a2 - a3| and a2 + a3 from the shoulder."""
-    a1, a2, a3 = _split(links)
+    base, links, end = jnp.broadcast_arrays(base, links, end)
+    distance = shoulder_distance(base, links, end)
+    nearest, farthest = reach(links)
+    return (distance >= nearest) & (distance <= farthest)
+
+
+def shoulder_distance(
+    base: Float[Array, "*#batch xyz"],
+    links: Float[Array, "*#batch joints"],
+    end: Float[Array, "*#batch xyz"],
+) -> Float[Array, "*batch"]:
+    """Distance (m) of the end from the shoulder, the top of the column."""
+    base, links, end = jnp.broadcast_arrays(base, links, end)
     x, y, z = _split(end - base)
-    distance = jnp.sqrt(x**2 + y**2 + (z - a1) ** 2)
-    return (distance >= jnp.abs(a2 - a3)) & (distance <= a2 + a3)
+    return jnp.sqrt(x**2 + y**2 + (z - links[..., 0]) ** 2)
+
+
+def reach(
+    links: Float[Array, "*batch joints"],
+) -> tuple[Float[Array, "*batch"], Float[Array, "*batch"]]:
+    """Least and greatest distance (m) from the shoulder at which the arm can hold its end."""
+    _, a2, a3 = _split(links)
+    return jnp.abs(a2 - a3), a2 + a3
 
 
 def _split(rows):

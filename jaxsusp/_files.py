@@ -1,0 +1,54 @@
+"""Files that are either the old one or the new one, never half of either."""
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Lend a scratch path in the folder of `path`; what is written there becomes `path`.
+
+    The scratch file is flushed to disk and renamed over `path` when the block ends normally. When
+    it does not (an error, Ctrl-C), the scratch file is removed and `path` stays as it was. A
+    symbolic link is followed: its target is replaced and the link stays.
+
+    Args:
+        path: the file to create or replace; its folder must exist.
+
+    Yields:
+        A path that does not exist yet, with the suffix of `path`, so that writers which choose
+        their format by suffix choose the right one.
+
+    Raises:
+        FileNotFoundError: the folder is missing, or the block wrote nothing.
+    """
+    target = Path(path).resolve()
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {target}: there is no folder {target.parent}")
+    scratch = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
+    try:
+        yield scratch
+        _flush(scratch)
+        os.replace(scratch, target)
+    except BaseException:
+        scratch.unlink(missing_ok=True)
+        raise
+    _flush(target.parent)  # the new name itself must survive a power cut
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write UTF-8 text to `path` atomically."""
+    with atomic_path(path) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+
+
+def _flush(path: Path) -> None:
+    """Ask the system to bring a file or folder to disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,80 @@
+"""Limits of Eq. 22 as counts of violations along a sampled trajectory (n_g of spec §9)."""
+
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Int
+from jaxsusp.mechanics.stability import stability, stability_factors
+from jaxsusp.vec3 import Vec3
+from jaxsusp.world import World
+
+WORKSPACE_TOLERANCE = 1e-3
+"""m by which a sample may lie outside the workspace before it counts."""
+
+# In float32 the limits are drawn in by a little more than the rounding error of what they bound,
+# so that what a search finds admissible stays so when it is re-evaluated in float64.
+SINGLE_PRECISION_TENSION = 1e-3  # N
+SINGLE_PRECISION_LENGTH = 1e-4  # m
+SINGLE_PRECISION_STABILITY = 1e-5
+
+
+def count_violations(
+    world: World,
+    position: Vec3,
+    lengths: list[Array],
+    tensions: list[Array],
+    with_stability: bool,
+) -> Int[Array, "*batch"]:
+    """Number n_g of violated limits: per (sample, cable) for tension and length, else per sample.
+
+    A tension or length that is not finite violates its limit.
+
+    Args:
+        world: limits, workspace and ends.
+        position: payload centre (m), samples on axis 0, any trailing batch axes.
+        lengths: l_k (m), each of the shape of the position's components.
+        tensions: T_k (N), likewise.
+        with_stability: whether to check S_c >= S_cmin at all (it costs four cube roots a sample).
+    """
+    limits = world.limits
+    single = position.x.dtype == jnp.float32
+    margin = SINGLE_PRECISION_LENGTH if single else 0.0
+    tension_margin = SINGLE_PRECISION_TENSION if single else 0.0
+    violated = jnp.zeros(position.x.shape, jnp.int32)
+    for length, tension in zip(lengths, tensions, strict=True):
+        tight = limits.tension_low + tension_margin, limits.tension_high - tension_margin
+        violated += _count(~_within(tension, *tight))
+        violated += _count(~_within(length, limits.length_low + margin, limits.length_high - margin))
+    reach = WORKSPACE_TOLERANCE - margin
+    violated += _count(
+        ~_within(position.x, world.lower.x - reach, world.upper.x + reach)
+        | ~_within(position.y, world.lower.y - reach, world.upper.y + reach)
+        | ~_within(position.z, world.lower.z - reach, world.upper.z + reach)
+    )
+    if with_stability:
+        extra = SINGLE_PRECISION_STABILITY if single else 0.0
+        needed = jnp.where(limits.stability > 0, limits.stability + extra, 0)  # 0 is no limit
+        violated += _count(~(stability_of(world, position, tensions) >= needed))
+    return violated.sum(axis=0)
+
+
+def stability_of(world: World, position: Vec3, tensions: list[Array]) -> Array:
+    """S_c at load positions with known tensions (Eq. 18)."""
+    bodies, limits = world.bodies, world.limits
+    hook = position + bodies.attachments.each(lambda c: c.mean(axis=0))
+    factors = stability_factors(
+        hook,
+        bodies.ends,
+        tensions,
+        position.z,
+        world.lower.z,
+        (limits.tension_low, limits.tension_high),
+    )
+    return stability(factors)
+
+
+def _within(value: Array, low: Array, high: Array) -> Array:
+    return (value >= low) & (value <= high)
+
+
+def _count(flags: Array) -> Array:
+    return flags.astype(jnp.int32)

@@ -1,0 +1,138 @@
+"""Fitness of a load trajectory: the six terms of Eq. 21 (spec §9).
+
+Written for one trajectory with time on axis 0; any trailing axes are candidates of a batch. The
+dtype of the decision vector decides the arithmetic.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Float, Int
+from jaxsusp.constraints import count_violations, stability_of
+from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
+from jaxsusp.mechanics.statics import hook_tensions
+from jaxsusp.trajectory.makima import makima
+from jaxsusp.vec3 import Vec3, norm
+from jaxsusp.world import GRAVITY, World
+
+
+class FitnessTerms(NamedTuple):
+    """All terms of Eq. 21, unweighted but for the penalty, and what they sum to."""
+
+    length: Float[Array, "*batch"]  # f1, m
+    height: Float[Array, "*batch"]  # f2, m, summed over samples
+    cable: Float[Array, "*batch"]  # f3, m, sum over cables of the greatest length
+    tension_rate: Float[Array, "*batch"]  # f4, N m/s², summed over cables and intervals
+    curvature: Float[Array, "*batch"]  # f5, 1/m, summed over interior samples
+    penalty: Float[Array, "*batch"]  # f6 = κ (n_p + n_g)
+    collisions: Int[Array, "*batch"]  # n_p
+    violations: Int[Array, "*batch"]  # n_g
+    total: Float[Array, "*batch"]  # Σ w_i f_i
+
+
+def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec3:
+    """Sampled load positions of a decision vector: Makima through start, waypoints and goal (§7).
+
+    Args:
+        world: gives start and goal.
+        x: m waypoints (x1, y1, z1, x2, …) on axis 0, m; trailing axes are batch.
+        samples: number of samples n, uniform in the parameter, both ends included.
+
+    Returns:
+        Positions (m), samples on axis 0.
+    """
+    waypoints = x.reshape(-1, 3, *x.shape[1:])
+
+    def coordinate(start, inner, goal):
+        shape = (1, *inner.shape[1:])
+        ends = [jnp.broadcast_to(end, shape).astype(x.dtype) for end in (start, goal)]
+        return makima(jnp.concatenate([ends[0], inner, ends[1]]), samples)
+
+    return Vec3(
+        *(coordinate(world.start[i], waypoints[:, i], world.goal[i]) for i in range(3))
+    )
+
+
+def tensions_at(world: World, position: Vec3) -> tuple[list[Array], list[Array]]:
+    """Cable lengths l_k (m) and static tensions T_k (N) at load positions of any shape."""
+    vectors = cable_vectors(position, world.bodies.attachments, world.bodies.ends)
+    lengths = cable_lengths(vectors)
+    weight = Vec3(0.0, 0.0, world.mass * GRAVITY)
+    return lengths, hook_tensions(vectors, lengths, weight)
+
+
+def waypoint_stability(
+    world: World, x: Float[Array, "dim *batch"]
+) -> Float[Array, "waypoints *batch"]:
+    """S_c of every waypoint of a decision vector (Eq. 18)."""
+    waypoints = x.reshape(-1, 3, *x.shape[1:])
+    position = Vec3(*(waypoints[:, i] for i in range(3)))
+    return stability_of(world, position, tensions_at(world, position)[1])
+
+
+def fitness_terms(
+    world: World, x: Float[Array, "dim *batch"], samples: int, with_stability: bool = False
+) -> FitnessTerms:
+    """All terms of Eq. 21 for the trajectory through the waypoints of x.
+
+    Args:
+        world: the scenario, in the dtype of x.
+        x: decision vector, m; trailing axes are batch.
+        samples: number of trajectory samples n.
+        with_stability: whether S_cmin is checked among the violations.
+    """
+    position = trajectory(world, x, samples)
+    lengths, tensions = tensions_at(world, position)
+    collisions = count_collisions(position, world.bodies, world.obstacles)
+    violations = count_violations(world, position, lengths, tensions, with_stability)
+    step = position.each(_difference)
+    interval = world.duration / (samples - 1)
+    terms = (
+        norm(step).sum(axis=0),
+        jnp.abs(position.z - world.start.z).sum(axis=0),
+        sum(length.max(axis=0) for length in lengths),
+        _tension_length_rate(lengths, tensions, interval),
+        _total_curvature(step),
+        world.kappa * (collisions + violations).astype(x.dtype),
+    )
+    total = sum(world.weights[i] * term for i, term in enumerate(terms))
+    return FitnessTerms(*terms, collisions, violations, total)
+
+
+def _tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -> Array:
+    """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt| (Eq. 21 as spec §9 reads it)."""
+    rates = [
+        jnp.abs(_difference(tension) * _difference(length))
+        for tension, length in zip(tensions, lengths, strict=True)
+    ]
+    return sum(rate for rate in rates).sum(axis=0) / interval**2
+
+
+def curvature(step: Vec3) -> Float[Array, "interior *batch"]:
+    """Discrete curvature Δχ_d / L_{d+1} (1/m) at the interior samples of a polyline.
+
+    Δχ = 2 atan2(‖t' - t‖, ‖t' + t‖) of consecutive unit tangents: accurate for the smallest
+    angles, where an arccos of a float32 dot product is not, and smooth at a reversal. A segment
+    of zero length contributes 0, with a finite gradient.
+
+    Args:
+        step: the polyline's segments p_{d+1} - p_d (m), along axis 0.
+    """
+    length = norm(step)
+    moving = length > 0
+    per_length = jnp.where(moving, 1 / jnp.where(moving, length, 1), 0)
+    tangent = step * per_length
+    before, after = tangent.each(lambda c: c[:-1]), tangent.each(lambda c: c[1:])
+    angle = 2 * jnp.arctan2(norm(after - before), norm(after + before))
+    return jnp.where(moving[:-1] & moving[1:], angle * per_length[1:], 0)
+
+
+def _total_curvature(step: Vec3) -> Array:
+    """f5 = Σ_d Δχ_d / L_{d+1} over the interior samples."""
+    return curvature(step).sum(axis=0)
+
+
+def _difference(values: Array) -> Array:
+    return values[1:] - values[:-1]

@@ -1,0 +1,100 @@
+"""Force balance of the suspended payload: J T = F with T >= 0 (Eq. 4-6; spec §3)."""
+
+import jax
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Float
+from jaxsusp.vec3 import Vec3, cross, dot
+
+
+def rotation(angles: Float[Array, "3"]) -> Float[Array, "3 3"]:
+    """R = Rz(α3) Ry(α2) Rx(α1), payload frame to world frame (Sect. 2.2), angles in rad."""
+    (c1, c2, c3), (s1, s2, s3) = jnp.cos(angles), jnp.sin(angles)
+    return jnp.stack(
+        [
+            jnp.stack([c2 * c3, s1 * s2 * c3 - s3 * c1, s2 * c1 * c3 + s1 * s3]),
+            jnp.stack([s3 * c2, s1 * s2 * s3 + c1 * c3, s2 * s3 * c1 - s1 * c3]),
+            jnp.stack([-s2, s1 * c2, c1 * c2]),
+        ]
+    )
+
+
+def structure_matrix(
+    position: Float[Array, "3"],
+    posture: Float[Array, "3 3"],
+    attachments: Float[Array, "cables 3"],
+    ends: Float[Array, "cables 3"],
+) -> Float[Array, "6 cables"]:
+    """Structure matrix with columns J_k = (u_k ; (R B'_k) × u_k) (Eq. 5).
+
+    Args:
+        position: centre of mass H (m).
+        posture: rotation R of the payload frame.
+        attachments: B'_k in the payload frame (m).
+        ends: P_k in the world frame (m).
+
+    Returns:
+        J: the upper three rows are dimensionless, the lower three in m.
+    """
+    arms = jnp.einsum("ij,kj->ki", posture, attachments)
+    cables = ends - arms - position[None, :]
+    directions = cables / jnp.linalg.norm(cables, axis=-1, keepdims=True)
+    return jnp.concatenate([directions, jnp.cross(arms, directions)], axis=-1).T
+
+
+def wrench(
+    mass: Float[Array, ""],
+    inertia: Float[Array, "3"],
+    acceleration: Float[Array, "3"],
+    angular_acceleration: Float[Array, "3"],
+    gravity: float = 9.81,
+) -> Float[Array, "6"]:
+    """F = (m ẍ, m ÿ, m z̈ + m g ; I α̈) that the cables must supply (Eq. 6), N and N m.
+
+    The inertia is per axis: the printed I_x α̈₂ equals I_y α̈₂ for an upright cylinder (spec §12).
+    """
+    weight = jnp.zeros_like(acceleration).at[2].set(gravity)
+    return jnp.concatenate([mass * (acceleration + weight), inertia * angular_acceleration])
+
+
+def hook_tensions(vectors: list[Vec3], lengths: list[Array], force: Vec3) -> list[Array]:
+    """Tensions of three cables that meet at one hook, in closed form (Eq. 4; spec §3).
+
+    Cramer's rule on [u_1 u_2 u_3] T = F by cross products. Coplanar cables give a division by
+    zero: the result is then infinite or NaN and every limit check refuses it.
+
+    Args:
+        vectors: L_k from hook to end (m), three of them, any shape.
+        lengths: l_k = ‖L_k‖ (m).
+        force: net force the cables supply (N), e.g. (0, 0, m g) at rest.
+
+    Returns:
+        T_k (N), negative where a cable would have to push.
+    """
+    if len(vectors) != 3:
+        raise NotImplementedError(
+            f"closed-form hook tensions need 3 cables, got {len(vectors)}; "
+            "describe the system with three robots"
+        )
+    a, b, c = vectors
+    facets = cross(b, c), cross(c, a), cross(a, b)
+    per_volume = 1 / dot(a, facets[0])
+    return [
+        length * dot(force, facet) * per_volume
+        for length, facet in zip(lengths, facets, strict=True)
+    ]
+
+
+def moment_residual(attachment: Float[Array, "3"], force: Float[Array, "3"]) -> Float[Array, "3"]:
+    """Moment (N m) about the centre of mass that a hook cannot supply while the payload is level.
+
+    All cables pull at one point, so their moment is B' × F; it vanishes while the net force F is
+    vertical and the hook is above the centre of mass.
+    """
+    return jnp.cross(attachment, force)
+
+
+def weight_of(mass: Array, gravity: float, like: Array) -> Vec3:
+    """Net force (0, 0, m g) of a payload at rest (N)."""
+    zero = jax.numpy.zeros((), like.dtype)
+    return Vec3(zero, zero, mass * gravity)

@@ -1,0 +1,108 @@
+"""The one driver of all optimisers: it owns the loop, the keys, the history and the counting.
+
+Everything here is for a single run; `jaxsusp.batch` maps it over runs and scenarios. A trip of the
+loop is given by two numbers that are arguments of the compiled program, so a run may be advanced
+in chunks of any size, for a progress bar, without a second compilation and with the same result.
+"""
+
+import zlib
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Float, Key
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.problem import Problem
+
+
+class Progress(NamedTuple):
+    """A run on its way: optimiser state, best fitness per iteration, and sums of the info."""
+
+    state: Any
+    history: Float[Array, "iterations"]
+    info: Any
+
+
+class Evaluations(NamedTuple):
+    """Fitness evaluations of the initial population and of every step."""
+
+    initial: int
+    per_step: int
+
+    def total(self, iterations: int) -> int:
+        """Evaluations of a whole run."""
+        return self.initial + iterations * self.per_step
+
+    def affordable(self, budget: int) -> int:
+        """The most iterations that stay within a budget of evaluations, at least one."""
+        return max(1, (budget - self.initial) // self.per_step)
+
+
+def run_key(seed: int, name: str, run: int) -> Key[Array, ""]:
+    """Key of one run: it depends on seed, algorithm name and run index, and on nothing else."""
+    return jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), zlib.crc32(name.encode())), run)
+
+
+def begin(
+    optimizer: Optimizer,
+    problem: Problem,
+    key: Key[Array, ""],
+    population: int,
+    iterations: int,
+) -> Progress:
+    """Evaluate the initial population of one run."""
+    state = optimizer.init(jax.random.fold_in(key, 0), problem, population, iterations)
+    info = jax.eval_shape(optimizer.step, key, problem, state)[1]
+    return Progress(
+        state,
+        jnp.full((iterations,), jnp.inf, state.best.fitness.dtype),
+        jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), info),
+    )
+
+
+def advance(
+    optimizer: Optimizer, problem: Problem, key: Key[Array, ""], progress: Progress, first, stop
+) -> Progress:
+    """Iterations first … stop-1 (counted from 1) of one run."""
+
+    def iterate(t, progress: Progress) -> Progress:
+        state, info = optimizer.step(jax.random.fold_in(key, t), problem, progress.state)
+        return Progress(
+            state,
+            progress.history.at[t - 1].set(state.best.fitness),
+            jax.tree.map(jnp.add, progress.info, info),
+        )
+
+    return jax.lax.fori_loop(first, stop, iterate, progress)
+
+
+def count_evaluations(optimizer: Optimizer, problem: Problem, population: int) -> Evaluations:
+    """Count what a program evaluates by tracing it, so that no algorithm reports its own cost."""
+    counter = _Counter(problem)
+    key = jax.eval_shape(lambda: jax.random.key(0))
+    state = jax.eval_shape(
+        lambda key: optimizer.init(key, counter.problem, population, 1), key
+    )
+    initial, counter.count = counter.count, 0
+    jax.eval_shape(lambda key, state: optimizer.step(key, counter.problem, state), key, state)
+    return Evaluations(initial, counter.count)
+
+
+class _Counter:
+    """A problem of the same shape whose fitness counts the candidates it is asked for."""
+
+    def __init__(self, problem: Problem):
+        self.count = 0
+        self.problem = Problem(self, problem.lower, problem.upper, problem.reference)
+        self.problem.fitness = self
+        if getattr(problem.fitness, "stability", None) is not None:
+            self.stability = problem.fitness.stability
+
+    def __call__(self, x: Array) -> Array:
+        self.count += 1
+        return x.sum()
+
+    def population(self, x: Array) -> Array:
+        self.count += len(x)
+        return x.sum(axis=1)

@@ -1,0 +1,229 @@
+"""What an optimiser sees: a fitness to minimise, bounds, and a rule that keeps candidates inside.
+
+A `Problem` is a pytree: scenarios of one static shape share a compiled program, and stacked
+problems go through `vmap`. Any JAX function can take the place of the suspension's fitness.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.custom_batching import custom_vmap
+from jax.tree_util import Partial
+
+from jaxsusp._types import Array, Float
+from jaxsusp.errors import InputError, require_count, require_known
+from jaxsusp.fitness import FitnessTerms, fitness_terms, waypoint_stability
+from jaxsusp.scenario import Scenario
+from jaxsusp.world import World, build_world, cast_world
+
+SEARCHES = ("box",)
+"""Search rules by name: `box` keeps every waypoint inside the workspace."""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)  # compared and hashed by identity, so that jit accepts it
+class Suspension:
+    """Fitness of the suspended load (Eq. 21) as a callable pytree: world in, structure static."""
+
+    world: World
+    samples: int = field(metadata={"static": True})
+    with_stability: bool = field(metadata={"static": True})
+
+    def terms(self, x: Float[Array, "dim *batch"]) -> FitnessTerms:
+        """All terms of Eq. 21 in the dtype of x; trailing axes of x are batch."""
+        return fitness_terms(cast_world(self.world, x.dtype), x, self.samples, self.with_stability)
+
+    def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
+        """Total fitness of one decision vector."""
+        return self.terms(x).total
+
+    def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
+        """Total fitness of many decision vectors, candidates in the last axis of all arithmetic."""
+        return _population_fitness(self, x)
+
+    def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"]:
+        """S_c of every waypoint of every candidate (Eq. 18)."""
+        return waypoint_stability(cast_world(self.world, x.dtype), x.T).T
+
+
+@jax.jit  # inside the outer program: an optimiser evaluates several times and traces this once
+def _flat_fitness(suspension: Suspension, x: Array) -> Array:
+    return suspension.terms(x.T).total
+
+
+@custom_vmap
+def _population_fitness(suspension: Suspension, x: Array) -> Array:
+    """Fitness of (N, D); whatever `vmap` adds, the arithmetic sees one flat batch of candidates.
+
+    Runs join the population in the last axis, where XLA vectorises. Scenarios, whose worlds
+    differ, stay an outer axis.
+    """
+    return _flat_fitness(suspension, x)
+
+
+@_population_fitness.def_vmap
+def _population_fitness_rule(axis_size, in_batched, suspension, x):
+    world_batched, x_batched = in_batched
+    if not any(jax.tree.leaves(world_batched)):
+        flat = _population_fitness(suspension, x.reshape(-1, x.shape[-1]))
+        return flat.reshape(x.shape[:-1]), True
+    axes = jax.tree.map(lambda batched: 0 if batched else None, (world_batched, x_batched))
+    return jax.vmap(_flat_fitness, in_axes=axes, axis_size=axis_size)(suspension, x), True
+
+
+class Problem:
+    """Minimise `fitness` over `lower` <= x <= `upper`.
+
+    Args:
+        fitness: any JAX function from (D,) to a scalar; a callable pytree passes its leaves as
+            arguments of the compiled program. One that offers `population(x)` is evaluated
+            through it, (N, D) to (N,).
+        lower: lower bounds, (D,).
+        upper: upper bounds, (D,), above `lower`. The dtype of the bounds is that of the search.
+        reference: the point that `frame="task"` moves relative to; default the middle of the
+            bounds.
+
+    Raises:
+        InputError: bounds of different shapes, not finite, or lower >= upper anywhere.
+    """
+
+    fitness: Callable[[Array], Array]
+    lower: Array
+    upper: Array
+    reference: Array
+
+    def __init__(self, fitness: Callable, lower, upper, reference=None):
+        lower, upper = _bounds(lower, upper)
+        middle = lower + (upper - lower) / 2
+        self.fitness = fitness if _is_pytree(fitness) else Partial(fitness)
+        self.lower, self.upper = lower, upper
+        self.reference = middle if reference is None else np.asarray(reference, lower.dtype)
+
+    @classmethod
+    def from_scenario(
+        cls,
+        scenario: Scenario,
+        waypoints: int = 5,
+        samples: int = 40,
+        search: str = "box",
+        dtype: Any = None,
+        world: World | None = None,
+        with_stability: bool | None = None,
+    ) -> "Problem":
+        """Planning the load's trajectory of a scenario: x holds the m waypoints, D = 3m.
+
+        Args:
+            scenario: the task.
+            waypoints: number m of free waypoints between start and goal.
+            samples: number n of trajectory samples, both ends included.
+            search: rule that keeps waypoints inside, one of `SEARCHES`.
+            dtype: of the bounds and thereby of a search; default JAX's default float.
+            world: the scenario's arrays if they are at hand (for example padded to a common
+                number of obstacles); default built from the scenario.
+            with_stability: whether S_cmin is checked; default: if the scenario sets it above 0.
+
+        Raises:
+            InputError: too few waypoints or samples, an unknown search rule, or a system whose
+                static balance is not that of a hook with three cables.
+        """
+        require_count("waypoints", waypoints)
+        require_count("samples", samples, least=3)  # fewer define no curvature
+        require_known("search", search, SEARCHES)
+        require_hook_with_three_cables(scenario)
+        dtype = dtype or jnp.zeros(()).dtype
+        world = build_world(scenario) if world is None else world
+        if with_stability is None:
+            with_stability = scenario.limits.stability > 0
+        line = np.linspace(scenario.task.start, scenario.task.goal, waypoints + 2)[1:-1]
+        return cls(
+            Suspension(world, samples, with_stability),
+            np.tile(np.asarray(scenario.workspace.lower, dtype), waypoints),
+            np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
+            line.reshape(-1),
+        )
+
+    @property
+    def dim(self) -> int:
+        """Number D of decision variables."""
+        return self.lower.shape[-1]
+
+    def terms(self, x: Float[Array, "dim"]) -> FitnessTerms:
+        """All terms of Eq. 21 for one decision vector, in its dtype."""
+        if not isinstance(self.fitness, Suspension):
+            raise AttributeError(
+                "terms belong to problems made by Problem.from_scenario; call fitness(x) instead"
+            )
+        return self.fitness.terms(jnp.asarray(x))
+
+    def evaluate(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
+        """Fitness of a population; anything that is not finite ranks as +inf."""
+        population = getattr(self.fitness, "population", None) or jax.vmap(self.fitness)
+        value = population(x).astype(x.dtype)
+        return jnp.where(jnp.isfinite(value), value, jnp.inf)
+
+    def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"] | None:
+        """S_c of every candidate's waypoints (Eq. 18); None on a generic problem."""
+        stability = getattr(self.fitness, "stability", None)
+        return None if stability is None else stability(x)
+
+    def repair(self, x: Float[Array, "*pop dim"]) -> Float[Array, "*pop dim"]:
+        """The admissible point that is evaluated and kept in place of x."""
+        return jnp.clip(x, self.lower, self.upper)
+
+    def sample(self, key, count: int) -> Float[Array, "pop dim"]:
+        """Uniform random candidates."""
+        unit = jax.random.uniform(key, (count, self.dim), self.lower.dtype)
+        return self.repair(self.lower + (self.upper - self.lower) * unit)
+
+
+def _flatten(problem: Problem):
+    return (problem.fitness, problem.lower, problem.upper, problem.reference), None
+
+
+def _unflatten(_, children) -> Problem:
+    problem = object.__new__(Problem)  # leaves may be tracers or placeholders: nothing to check
+    problem.fitness, problem.lower, problem.upper, problem.reference = children
+    return problem
+
+
+jax.tree_util.register_pytree_node(Problem, _flatten, _unflatten)
+
+
+def stack_problems(problems: Sequence[Problem]) -> Problem:
+    """Stack problems of equal static shape along a new leading axis of every leaf."""
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *problems)
+
+
+def _bounds(lower, upper) -> tuple[np.ndarray, np.ndarray]:
+    """Validated host copies of the bounds, in their common floating dtype."""
+    given = [bound if hasattr(bound, "dtype") else jnp.asarray(bound) for bound in (lower, upper)]
+    lower, upper = (np.asarray(bound) for bound in given)
+    dtype = np.result_type(lower, upper)
+    if not np.issubdtype(dtype, np.floating):
+        dtype = jnp.zeros(()).dtype
+    lower, upper = lower.astype(dtype), upper.astype(dtype)
+    if lower.ndim != 1 or lower.shape != upper.shape or lower.size == 0:
+        raise InputError(
+            f"lower and upper must be vectors of one length, got shapes {lower.shape} and "
+            f"{upper.shape}"
+        )
+    if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower < upper).all()):
+        raise InputError("bounds must be finite with lower < upper in every variable")
+    return lower, upper
+
+
+def _is_pytree(value: Any) -> bool:
+    """Whether JAX knows how to take a callable apart (a plain function is a leaf)."""
+    return not jax.tree_util.all_leaves([value])
+
+
+def require_hook_with_three_cables(scenario: Scenario) -> None:
+    if scenario.payload.attachments != "hook" or len(scenario.robots) != 3:
+        raise InputError(
+            f"{scenario.name}: planning needs payload.attachments = \"hook\" and three robots, "
+            f"got {len(scenario.robots)} robots and attachments {scenario.payload.attachments!r}"
+        )

@@ -1,0 +1,144 @@
+"""The house look: one colour, marker and dash per algorithm, quiet axes, PNG files.
+
+Figures are made with matplotlib's object interface and never touch pyplot's global state, so they
+work without a display, in threads and in notebooks.
+"""
+
+import io
+import math
+import os
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from jaxsusp._files import atomic_path
+
+INK = "#2B2B2B"
+QUIET = "#8A8A8A"
+FAINT = "#E4E4E4"
+DPI = 200
+
+PALETTE = {
+    "pso": "#0072B2",
+    "ga": "#E69F00",
+    "dbo": "#009E73",
+    "sdbo": "#C43C00",
+    "dbo-task": "#56B4E9",
+    "sdbo-task": "#CC79A7",
+}
+"""Okabe and Ito's colours, the red a little darker: distinct for all kinds of colour vision."""
+
+CYCLE = ("#332288", "#8B5A2B", "#444444", "#999933", "#882255")
+"""For algorithms without a colour of their own, in order of appearance."""
+
+_MARKERS = {"pso": "o", "ga": "s", "dbo": "^", "sdbo": "D", "dbo-task": "v", "sdbo-task": "P"}
+
+
+class Style(NamedTuple):
+    """How one algorithm looks in every figure."""
+
+    label: str
+    color: str
+    marker: str
+    dash: str
+
+
+class Picture(Figure):
+    """A matplotlib figure that also shows itself in a notebook without any set-up."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=DPI / 2)
+        return buffer.getvalue()
+
+
+def picture(width: float, height: float) -> Picture:
+    """An empty figure (inches) that keeps its labels from overlapping."""
+    layout = ConstrainedLayoutEngine(w_pad=0.08, h_pad=0.08, wspace=0.03, hspace=0.05)
+    figure = Picture(figsize=(width, height), layout=layout, facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure as PNG, atomically; the same figure gives the same bytes."""
+    with atomic_path(path) as scratch:
+        figure.savefig(scratch, format="png", dpi=DPI, metadata={"Software": None})
+
+
+def styles(algorithms: Iterable[str]) -> dict[str, Style]:
+    """Style of every algorithm; the known ones look the same whatever the company."""
+    names = list(algorithms)
+    strangers = [name for name in names if name not in PALETTE]
+    spare = {name: CYCLE[i % len(CYCLE)] for i, name in enumerate(strangers)}
+    return {
+        name: Style(
+            label=label(name),
+            color=PALETTE.get(name) or spare[name],
+            marker=_MARKERS.get(name, "X"),
+            dash="--" if name.endswith("-task") else "-",
+        )
+        for name in names
+    }
+
+
+def label(algorithm: str) -> str:
+    """The paper's spelling, "sdbo-task" → "SDBO-task"; other names stay as they are."""
+    if algorithm not in PALETTE:
+        return algorithm
+    head, *tail = algorithm.split("-")
+    return "-".join([head.upper(), *tail])
+
+
+def panels(figure: Figure, count: int, **options) -> list[Axes]:
+    """A grid of `count` styled axes, at most three in a row."""
+    columns = min(count, 3)
+    grid = figure.subplots(math.ceil(count / columns), columns, squeeze=False, **options).ravel()
+    for spare in grid[count:]:
+        spare.remove()
+    for axes in grid[:count]:
+        quiet(axes)
+    return list(grid[:count])
+
+
+def quiet(axes: Axes) -> None:
+    """Only what the eye needs: two spines, a faint grid behind the data."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(QUIET)
+    axes.tick_params(which="both", color=QUIET, labelcolor=INK, labelsize=9)
+    axes.grid(True, color=FAINT, linewidth=0.8)
+    axes.set_axisbelow(True)
+
+
+def heading(figure: Figure, title: str) -> None:
+    """Title at the top left."""
+    figure.suptitle(title, x=0.008, ha="left", fontsize=12, fontweight="bold", color=INK)
+
+
+def legend(figure: Figure, handles: list[Line2D]) -> None:
+    """One row below the panels, where it hides nothing."""
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=len(handles),
+        frameon=False,
+        fontsize=10,
+        labelcolor=INK,
+    )
+
+
+def log_axis(axis: Axis) -> None:
+    """Label a logarithmic axis with plain numbers, as many as its range asks for."""
+    low, high = axis.get_view_interval()
+    decades = math.log10(high / low) if 0 < low < high else 0
+    steps = (1, 2, 5) if decades < 2.2 else (1, 3) if decades < 3.2 else (1,)
+    axis.set_major_locator(LogLocator(subs=steps, numticks=20))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.9g}"))
+    axis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,242 @@
+"""A scenario and the best trajectories in it: the paper's Fig. 7, view and top view."""
+
+import math
+from itertools import product
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from jaxsusp.mechanics import arm
+from jaxsusp.report.look import FAINT, INK, QUIET, heading, legend, picture, quiet, styles
+from jaxsusp.report.look import save as save
+from jaxsusp.report.painting import Curve, hidden, paint_curve, paint_label, paint_solid, refine
+from jaxsusp.report.render import significant
+from jaxsusp.report.solids import Camera, Solid, cylinder, of_obstacle
+
+STONE = "#C9CDD3"
+LOAD = "#5A5F69"
+
+_CABLES = {"start": "-", "goal": (0, (5, 3))}
+"""Dashes of the cables at either end of the task."""
+
+
+def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Figure:
+    """Draw a scenario: a view from where the trajectories are seen best, and the top view.
+
+    Cables are shown at start (solid) and goal (dashed). What an obstacle hides is thin and pale.
+
+    Args:
+        scenario: a `Scenario`.
+        ds: the comparison at this scenario, with `position` (algorithm, sample, axis) and
+            `fitness`, `collisions`, `violations` (algorithm, run); None draws the scenario alone.
+        arms: draw the robots as well, in the view only.
+
+    Returns:
+        A figure with two axes: the view (metres in the picture plane) and the top view (x, y).
+    """
+    curves = _trajectories(ds)
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    camera = best_view(solids, list(curves.values()) or [task])
+    figure = picture(13, 7)
+    view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
+    _room(view, camera, scenario)
+    for axes, eye in ((view, camera), (top, Camera.above())):
+        _obstacles(axes, eye, scenario, solids)
+        _cables(axes, eye, scenario, solids)
+        look = styles(curves)
+        for name, curve in curves.items():
+            paint_curve(
+                axes, eye, solids, curve, zorder=5, color=look[name].color, linewidth=2.2,
+                linestyle=look[name].dash,
+            )  # fmt: skip
+    if arms:
+        _arms(view, camera, scenario)
+    _finish_view(view, scenario)
+    _finish_top(top, scenario)
+    best = "" if ds is None else f": best of {ds.sizes['run']} runs per algorithm, and its fitness"
+    heading(figure, scenario.name + best)
+    legend(figure, _samples(ds))
+    return figure
+
+
+def best_view(solids: list[Solid], curves: list[Curve]) -> Camera:
+    """The camera that hides least of the curves and foreshortens them least."""
+    fine = [refine(curve, 4) for curve in curves]
+    lengths = [_length(curve) for curve in fine]
+
+    def merit(camera: Camera) -> float:
+        lost = np.mean([hidden(curve, solids, camera).mean() for curve in fine])
+        seen = np.sum([_length(camera.project(curve)) for curve in fine]) / np.sum(lengths)
+        return float(seen - 2 * lost)
+
+    angles = product(range(-175, 180, 10), (22, 30))
+    return max((Camera(np.deg2rad(a), np.deg2rad(e)) for a, e in angles), key=merit)
+
+
+def _length(curve) -> float:
+    return float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum())
+
+
+def _trajectories(ds: xr.Dataset | None) -> dict[str, Curve]:
+    """Best trajectory of every algorithm that has one."""
+    if ds is None:
+        return {}
+    position = ds["position"].transpose("algorithm", "sample", "axis").sel(axis=["x", "y", "z"])
+    curves = dict(zip(ds["algorithm"].values.tolist(), position.values, strict=True))
+    return {name: curve for name, curve in curves.items() if np.isfinite(curve).all()}
+
+
+def _samples(ds: xr.Dataset | None) -> list[Line2D]:
+    """Legend entries: the algorithms with the fitness of the run that is drawn, the cables."""
+    entries = [
+        Line2D([], [], color=QUIET, lw=1, ls=dash, label=f"cables at {place}")
+        for place, dash in _CABLES.items()
+    ]
+    if ds is None:
+        return entries
+    run = ds["fitness"].fillna(np.inf).argmin("run")
+    best = ds[["fitness", "collisions", "violations"]].isel(run=run)
+    for name, style in styles(_trajectories(ds)).items():
+        fitness, collisions, violations = (v.item() for v in best.sel(algorithm=name).values())
+        doubt = "  (violates limits)" if collisions + violations else ""
+        text = f"{style.label}  {significant(fitness)}{doubt}"
+        entries.append(Line2D([], [], color=style.color, ls=style.dash, lw=2.2, label=text))
+    return entries
+
+
+def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
+    """Obstacles and the load at start and goal, from back to front; obstacles are numbered."""
+    size = scenario.payload.radius, scenario.payload.height
+    loads = [cylinder(place, *size) for place in (scenario.task.start, scenario.task.goal)]
+    bodies = [*solids, *loads]
+    for rank, i in enumerate(camera.back_to_front(bodies)):
+        color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
+        paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
+    for number, solid in enumerate(solids, start=1):
+        top = solid.corners[solid.corners[:, 2] > solid.corners[:, 2].max() - 1e-9].mean(axis=0)
+        if not hidden(top[None] + [0, 0, 1e-3], solids, camera).any():
+            paint_label(axes, camera, top, str(number), fontsize=7.5, color="#5F6670")
+    start, goal = (np.asarray(p, np.float64) for p in (scenario.task.start, scenario.task.goal))
+    ahead = camera.frame[0] @ (goal - start)  # name each on the side away from the other
+    for name, place, side in (("start", start, -ahead), ("goal", goal, ahead)):
+        step, align = (-0.18, "right") if side < -0.5 else (0.18, "left")
+        beside = place + step * camera.frame[0]
+        paint_label(axes, camera, beside, name, ha=align, fontsize=9, fontweight="bold")
+
+
+def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
+    """The cables at start and goal, and the ends they hang from."""
+    payload, ends = scenario.payload, [robot.end for robot in scenario.robots]
+    hook = payload.attachments == "hook"
+    offsets = [(0, 0, payload.height / 2)] * len(ends) if hook else payload.attachments
+    for name, dash in _CABLES.items():
+        place = getattr(scenario.task, name)
+        for offset, end in zip(offsets, ends, strict=True):
+            cable = refine(np.array([np.add(place, offset), end]), 60)
+            paint_curve(
+                axes, camera, solids, cable, zorder=4, color=QUIET, linewidth=1.0, linestyle=dash
+            )
+    for number, end in enumerate(ends, start=1):
+        at = camera.project(np.asarray(end, np.float64))
+        axes.plot(*at, "o", ms=5, mfc="white", mec=INK, mew=1.2, zorder=6)
+        above = np.asarray(end) + 0.3 * camera.frame[1]
+        paint_label(axes, camera, above, f"P{'₀₁₂₃₄₅₆₇₈₉'[number % 10]}", fontsize=9)
+
+
+def _room(axes: Axes, camera: Camera, scenario: Any) -> None:
+    """The floor with a one-metre grid and its scales, and the edges of the workspace."""
+    low, high = (np.asarray(v, np.float64) for v in _workspace(scenario))
+    floor = min(0.0, low[2])
+    ring = np.array([[x, y, floor] for x, y in _ring(low, high)])
+    axes.fill(*camera.project(ring).T, facecolor="#F6F6F4", edgecolor=QUIET, lw=0.8, zorder=1)
+    grid = [((x, low[1], floor), (x, high[1], floor)) for x in _metres(low[0], high[0])]
+    grid += [((low[0], y, floor), (high[0], y, floor)) for y in _metres(low[1], high[1])]
+    _segments(axes, camera, grid, color=FAINT, lw=0.8, zorder=1.1)
+    corners = _ring(low, high)
+    edges = [((x, y, low[2]), (x, y, high[2])) for x, y in corners]
+    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+        edges += [((*a, z), (*b, z)) for z in (low[2], high[2])]
+    _segments(axes, camera, edges, color=QUIET, lw=0.7, ls=(0, (2, 3)), zorder=1.2)
+    _scales(axes, camera, low, high, floor)
+
+
+def _scales(axes: Axes, camera: Camera, low, high, floor: float) -> None:
+    """Metres along the two floor edges next to the viewer and up the edge on the left."""
+
+    def label(point, text) -> None:
+        paint_label(axes, camera, point, f"{text}", color=QUIET)
+
+    sides = np.where(camera.towards[:2] > 0, 1, -1)
+    near, away = np.where(sides > 0, high[:2], low[:2]), 0.3 * sides
+    for x in _metres(low[0], high[0]):
+        label((x, near[1] + away[1], floor), x)
+    for y in _metres(low[1], high[1]):
+        label((near[0] + away[0], y, floor), y)
+    middle = (low + high) / 2
+    label((middle[0], near[1] + 3.2 * away[1], floor), "x (m)")
+    label((near[0] + 3.2 * away[0], middle[1], floor), "y (m)")
+    left = min(_ring(low, high), key=lambda corner: camera.frame[0, :2] @ corner)
+    left = left - 0.2 * camera.frame[0, :2]
+    for z in _metres(low[2], high[2]):
+        label((*left, z), z)
+    label((*left, high[2] + 0.3), "z (m)")
+
+
+def _arms(axes: Axes, camera: Camera, scenario: Any) -> None:
+    """The robots, elbow up, at their nominal ends."""
+    for robot in scenario.robots:
+        base, links, end = (jnp.asarray(v, float) for v in (robot.base, robot.links, robot.end))
+        joints = arm.inverse(base, links, end).elbow_up
+        shoulder = base + jnp.array([0.0, 0.0, robot.links[0]])
+        chain = np.stack([base, shoulder, arm.elbow(base, links, joints), end]).astype(np.float64)
+        flat = camera.project(chain).T
+        axes.plot(*flat, color="#9AA3AF", alpha=0.55, lw=5, solid_joinstyle="round", zorder=1.5)
+        axes.plot(*flat[:, :3], "o", color="#7C8694", ms=4, zorder=1.6)
+
+
+def _finish_view(axes: Axes, scenario: Any) -> None:
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    axes.margins(0.045)
+    for text in axes.texts:
+        text.set_clip_on(False)
+    names = [f"{i} {o.name or o.kind}" for i, o in enumerate(scenario.obstacles, start=1)]
+    lines = ["   ".join(names[i : i + 5]) for i in range(0, len(names), 5)]
+    axes.text(
+        0.5, -0.01, "\n".join(lines), transform=axes.transAxes, ha="center", va="top",
+        fontsize=8, color="#5F6670", linespacing=1.5,
+    )  # fmt: skip
+
+
+def _finish_top(axes: Axes, scenario: Any) -> None:
+    low, high = _workspace(scenario)
+    quiet(axes)
+    axes.set_aspect("equal")
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    axes.set_xlabel("x (m)", fontsize=10, color=INK)
+    axes.set_ylabel("y (m)", fontsize=10, color=INK)
+
+
+def _workspace(scenario: Any) -> tuple:
+    return scenario.workspace.lower, scenario.workspace.upper
+
+
+def _metres(low: float, high: float) -> range:
+    """Whole metres from low to high."""
+    return range(math.ceil(low), math.floor(high) + 1)
+
+
+def _segments(axes: Axes, camera: Camera, pairs: list, **look) -> None:
+    for pair in pairs:
+        axes.plot(*camera.project(np.array(pair, np.float64)).T, **look)
+
+
+def _ring(low, high) -> list[tuple[float, float]]:
+    return [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]

@@ -1,0 +1,179 @@
+"""Obstacles as convex bodies that can be drawn, and a parallel camera that looks at them.
+
+Matplotlib's own 3-D axes sort whole artists by depth and draw lines behind all bodies, so a curve
+that winds between obstacles comes out wrong. Here every body is convex, which makes "what hides
+what" a short exact computation.
+"""
+
+from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from jaxsusp.geometry.meshes import bounding_box
+
+Point = Float[np.ndarray, "xyz"]
+Points = Float[np.ndarray, "*batch xyz"]
+
+
+class Solid(NamedTuple):
+    """A convex body {p : normals · p <= offsets} and its faces, corner by corner (m)."""
+
+    faces: tuple[Float[np.ndarray, "_ xyz"], ...]
+    normals: Float[np.ndarray, "faces xyz"]
+    offsets: Float[np.ndarray, " faces"]
+    smooth: bool  # the faces stand for a curved surface: draw no edges between them
+
+    @classmethod
+    def of_faces(cls, faces: list, smooth: bool = False) -> Self:
+        """A body from planar faces, each with its corners in order, seen from anywhere."""
+        faces = [np.asarray(face, np.float64) for face in faces]
+        inside = np.mean([face.mean(axis=0) for face in faces], axis=0)
+        normals, offsets = [], []
+        for face in faces:
+            normal = np.cross(face[1] - face[0], face[-1] - face[0])
+            normal /= np.linalg.norm(normal) or 1.0
+            sign = -1.0 if normal @ (face[0] - inside) < 0 else 1.0
+            normals.append(sign * normal)
+            offsets.append(sign * normal @ face[0])
+        return cls(tuple(faces), np.array(normals), np.array(offsets), smooth)
+
+    @property
+    def corners(self) -> Float[np.ndarray, "corners xyz"]:
+        """All corners of all faces."""
+        return np.concatenate(self.faces)
+
+    def hides(self, points: Points, towards: Point) -> Bool[np.ndarray, "*batch"]:
+        """Which points have this body between themselves and a viewer in direction `towards`.
+
+        The ray p + s·towards, s > 0, is clipped by all face planes at once. A point on the side
+        of the body that faces the viewer is not hidden; a point inside is.
+        """
+        slope = self.normals @ towards
+        gap = self.offsets - points @ self.normals.T  # negative: outside that plane
+        s = gap / np.where(np.abs(slope) < 1e-12, np.nan, slope)
+        enter = np.max(np.where(slope < -1e-12, s, 0.0), axis=-1)
+        leave = np.min(np.where(slope > 1e-12, s, np.inf), axis=-1)
+        beside = ((np.abs(slope) < 1e-12) & (gap < 0)).any(axis=-1)
+        return (leave > enter + 1e-9) & ~beside
+
+
+class Camera(NamedTuple):
+    """A parallel projection: azimuth and elevation of the viewer (rad)."""
+
+    azimuth: float
+    elevation: float
+
+    @classmethod
+    def above(cls) -> Self:
+        """The top view: x to the right, y up."""
+        return cls(-np.pi / 2, np.pi / 2)
+
+    @property
+    def towards(self) -> Point:
+        """Unit vector from the scene to the viewer."""
+        level = np.cos(self.elevation)
+        return np.array(
+            [level * np.cos(self.azimuth), level * np.sin(self.azimuth), np.sin(self.elevation)]
+        )
+
+    @property
+    def frame(self) -> Float[np.ndarray, "picture=2 xyz"]:
+        """Unit vectors to the right and up in the picture."""
+        right = np.array([-np.sin(self.azimuth), np.cos(self.azimuth), 0.0])
+        return np.stack([right, np.cross(self.towards, right)])
+
+    def project(self, points: Points) -> Float[np.ndarray, "*batch picture=2"]:
+        """World → picture (m, true to scale across the viewing direction)."""
+        return points @ self.frame.T
+
+    def back_to_front(self, solids: list[Solid]) -> list[int]:
+        """Indices of the bodies in the order in which to paint them."""
+        depth = [solid.corners.mean(axis=0) @ self.towards for solid in solids]
+        order = TopologicalSorter({i: set() for i in np.argsort(depth).tolist()})
+        for i, surface in enumerate(map(_surface, solids)):
+            for j, front in enumerate(solids):
+                if i != j and front.hides(surface, self.towards).any():
+                    order.add(j, i)
+        try:
+            return list(order.static_order())
+        except CycleError:  # bodies that run into each other have no order
+            return np.argsort(depth).tolist()
+
+
+def of_obstacle(obstacle: Any) -> Solid:
+    """The body of one obstacle of a scenario; a mesh is drawn as its bounding box.
+
+    Raises:
+        ValueError: an unknown kind of obstacle.
+    """
+    match obstacle.kind:
+        case "box":
+            return box(obstacle.center, obstacle.size, obstacle.yaw_deg)
+        case "mesh":
+            size = bounding_box(obstacle.path, obstacle.scale)
+            return box(obstacle.center, size, obstacle.yaw_deg)
+        case "cylinder":
+            return cylinder(obstacle.center, obstacle.radius, obstacle.height)
+        case "sphere":
+            return sphere(obstacle.center, obstacle.radius)
+    raise ValueError(f"cannot draw an obstacle of kind {obstacle.kind!r}")
+
+
+def box(center, size, yaw_deg: float = 0.0) -> Solid:
+    """A box of full size (m), turned about the vertical axis."""
+    half, yaw = np.asarray(size, np.float64) / 2, np.deg2rad(yaw_deg)
+    ring = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half[:2]
+    turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    return _prism(ring @ turn + np.asarray(center)[:2], center[2], half[2], smooth=False)
+
+
+def cylinder(center, radius: float, height: float, sides: int = 48) -> Solid:
+    """An upright cylinder of full height (m)."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return _prism(ring + np.asarray(center)[:2], center[2], height / 2, smooth=True)
+
+
+def sphere(center, radius: float, sides: int = 48) -> Solid:
+    """A sphere (m) as bands of flat faces and a cap at each pole."""
+    azimuth = 2 * np.pi * np.arange(sides) / sides
+    polar = np.pi * np.arange(1, sides // 2) / (sides // 2)
+    unit = np.stack(
+        [
+            np.outer(np.sin(polar), np.cos(azimuth)),
+            np.outer(np.sin(polar), np.sin(azimuth)),
+            np.outer(np.cos(polar), np.ones(sides)),
+        ],
+        axis=-1,
+    )
+    rings = np.asarray(center) + radius * unit
+    faces = [rings[0], rings[-1]]
+    for upper, lower in pairwise(rings):
+        for i, j in enumerate(_next(sides)):
+            faces.append([upper[i], lower[i], lower[j], upper[j]])
+    return Solid.of_faces(faces, smooth=True)
+
+
+def _prism(ring, z: float, half_height: float, smooth: bool) -> Solid:
+    """An upright prism over a ring of (x, y) corners."""
+    level = np.ones((len(ring), 1))
+    low = np.hstack([ring, (z - half_height) * level])
+    high = np.hstack([ring, (z + half_height) * level])
+    walls = [[low[i], low[j], high[j], high[i]] for i, j in enumerate(_next(len(ring)))]
+    return Solid.of_faces([*walls, low, high], smooth)
+
+
+def _next(count: int) -> list[int]:
+    """Index of the next corner of a ring, for every corner."""
+    return [*range(1, count), 0]
+
+
+def _surface(solid: Solid) -> Float[np.ndarray, "points xyz"]:
+    """Points just inside the surface: corners, edge middles and face centres."""
+    middles = [(face + np.roll(face, 1, axis=0)) / 2 for face in solid.faces]
+    centres = [face.mean(axis=0, keepdims=True) for face in solid.faces]
+    points = np.concatenate([solid.corners, *middles, *centres])
+    return points + 1e-3 * (points.mean(axis=0) - points)
