@@ -40,7 +40,7 @@ def test_straight_lines_give_the_specified_figures(scenarios, problems, i, dtype
 def test_total_is_the_weighted_sum(scenarios):
     weights = (2.0, 3.0, 0.5, 0.0, 4.0, 1.0)
     scenario = scenarios[0].model_copy(
-        update={"fitness": scenarios[0].fitness.model_copy(update={"weights": weights, "kappa": 7})}
+        update={"fitness": scenarios[0].fitness.model_copy(update={"weights": weights, "kappa": 7.0})}
     )
     terms = js.Problem.from_scenario(scenario).terms(straight(scenario) + 0.1)
     parts = [terms.length, terms.height, terms.cable, terms.tension_rate, terms.curvature]

@@ -1,5 +1,7 @@
 """Algorithms by name. Adding one is one file with a factory, and one row here."""
 
+import functools
+import inspect
 from collections.abc import Callable
 
 from jaxsusp.errors import InputError, require_known
@@ -14,9 +16,10 @@ ALGORITHMS: dict[str, Callable[[], Optimizer]] = {
     "ga": ga,
     "dbo": dbo,
     "sdbo": sdbo,
-    "dbo-task": lambda: dbo(frame="task"),
-    "sdbo-task": lambda: sdbo(frame="task"),
+    "dbo-task": functools.partial(dbo, frame="task"),
+    "sdbo-task": functools.partial(sdbo, frame="task"),
 }
+"""Factories by the names of what they make."""
 
 PUBLISHED = ("pso", "ga", "dbo", "sdbo")
 """The four algorithms of the paper's Table 1."""
@@ -32,6 +35,14 @@ def algorithm(choice: str | Optimizer) -> Optimizer:
         return choice
     require_known("algorithm", choice, ALGORITHMS)
     return ALGORITHMS[choice]()
+
+
+def describe(name: str) -> str:
+    """One line about an algorithm: the first of its factory's documentation."""
+    factory = ALGORITHMS[name]
+    options = getattr(factory, "keywords", {})
+    words = (inspect.getdoc(getattr(factory, "func", factory)) or "").splitlines()[0]
+    return ", ".join([words.rstrip("."), *(f"{key}={value!r}" for key, value in options.items())])
 
 
 def algorithms(choices) -> list[Optimizer]:

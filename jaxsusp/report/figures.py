@@ -34,7 +34,7 @@ def convergence(ds: xr.Dataset) -> Figure:
     beginning would squeeze the rest.
     """
     names, scenarios = _names(ds)
-    figure = picture(12, 3.4 * -(-len(scenarios) // 3) + 1)
+    figure = picture(12.0, 3.4 * -(-len(scenarios) // 3) + 1)
     look = styles(names)
     axes = panels(figure, len(scenarios), sharex=True, sharey=True)
     for panel, scenario in zip(axes, scenarios, strict=True):
@@ -63,7 +63,7 @@ def fitness_boxes(ds: xr.Dataset) -> Figure:
     median inside. Runs of infinite fitness are counted at the top.
     """
     names, scenarios = _names(ds)
-    figure = picture(12, 3.4 * -(-len(scenarios) // 3) + 1)
+    figure = picture(12.0, 3.4 * -(-len(scenarios) // 3) + 1)
     look = styles(names)
     axes = panels(figure, len(scenarios))
     for panel, scenario in zip(axes, scenarios, strict=True):
@@ -102,7 +102,9 @@ def _view(fitness: xr.DataArray) -> tuple[float, float]:
     values = values[~np.isnan(values).all(axis=-1)]
     upper = quartiles(values)[2]
     reached = upper[np.isfinite(upper)]
-    return (0.8 * np.nanmin(values).item(), 5 * reached.max().item()) if len(reached) else (1, 10)
+    return (
+        (0.8 * np.nanmin(values).item(), 5 * reached.max().item()) if len(reached) else (1.0, 10.0)
+    )
 
 
 def _draw_history(axes: Axes, cell: xr.Dataset, style: Style) -> None:

@@ -60,7 +60,9 @@ def paint_curve(
         axes.plot(*points.T, **look)
 
 
-def paint_label(axes: Axes, camera: Camera, point: Curve, text: str, **options) -> None:
+def paint_label(
+    axes: Axes, camera: Camera, point: tuple | np.ndarray, text: str, **options
+) -> None:
     """Text at a point of the scene, with a halo that keeps it legible on anything."""
     x, y = camera.project(np.asarray(point, np.float64))
     look = {"fontsize": 8, "color": INK, "ha": "center", "va": "center", "zorder": 9, **options}
@@ -77,7 +79,7 @@ def _fade(alpha: float) -> Callable:
     return fade
 
 
-def refine(curve: Curve, parts: int = 6) -> Curve:
+def refine(curve: Curve, parts: int = 6) -> Float[np.ndarray, "refined xyz"]:
     """The same polyline with every segment cut into equal parts."""
     curve = np.asarray(curve, np.float64)
     knots = np.arange(len(curve))

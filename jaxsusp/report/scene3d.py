@@ -43,7 +43,7 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
     camera = best_view(solids, list(curves.values()) or [task])
-    figure = picture(13, 7)
+    figure = picture(13.0, 7.0)
     view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
     _room(view, camera, scenario)
     for axes, eye in ((view, camera), (top, Camera.above())):
@@ -52,7 +52,7 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
         look = styles(curves)
         for name, curve in curves.items():
             paint_curve(
-                axes, eye, solids, curve, zorder=5, color=look[name].color, linewidth=2.2,
+                axes, eye, solids, curve, zorder=5.0, color=look[name].color, linewidth=2.2,
                 linestyle=look[name].dash,
             )  # fmt: skip
     if arms:
@@ -140,7 +140,7 @@ def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> N
         for offset, end in zip(offsets, ends, strict=True):
             cable = refine(np.array([np.add(place, offset), end]), 60)
             paint_curve(
-                axes, camera, solids, cable, zorder=4, color=QUIET, linewidth=1.0, linestyle=dash
+                axes, camera, solids, cable, zorder=4.0, color=QUIET, linewidth=1.0, linestyle=dash
             )
     for number, end in enumerate(ends, start=1):
         at = camera.project(np.asarray(end, np.float64))

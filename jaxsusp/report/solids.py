@@ -7,7 +7,7 @@ what" a short exact computation.
 
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -27,7 +27,7 @@ class Solid(NamedTuple):
     smooth: bool  # the faces stand for a curved surface: draw no edges between them
 
     @classmethod
-    def of_faces(cls, faces: list, smooth: bool = False) -> Self:
+    def of_faces(cls, faces: list, smooth: bool = False) -> "Solid":
         """A body from planar faces, each with its corners in order, seen from anywhere."""
         faces = [np.asarray(face, np.float64) for face in faces]
         inside = np.mean([face.mean(axis=0) for face in faces], axis=0)
@@ -67,7 +67,7 @@ class Camera(NamedTuple):
     elevation: float
 
     @classmethod
-    def above(cls) -> Self:
+    def above(cls) -> "Camera":
         """The top view: x to the right, y up."""
         return cls(-np.pi / 2, np.pi / 2)
 
@@ -127,14 +127,14 @@ def box(center, size, yaw_deg: float = 0.0) -> Solid:
     half, yaw = np.asarray(size, np.float64) / 2, np.deg2rad(yaw_deg)
     ring = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half[:2]
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
-    return _prism(ring @ turn + np.asarray(center)[:2], center[2], half[2], smooth=False)
+    return _prism(center, ring @ turn, half[2], smooth=False)
 
 
 def cylinder(center, radius: float, height: float, sides: int = 48) -> Solid:
     """An upright cylinder of full height (m)."""
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return _prism(ring + np.asarray(center)[:2], center[2], height / 2, smooth=True)
+    return _prism(center, ring, height / 2, smooth=True)
 
 
 def sphere(center, radius: float, sides: int = 48) -> Solid:
@@ -157,11 +157,12 @@ def sphere(center, radius: float, sides: int = 48) -> Solid:
     return Solid.of_faces(faces, smooth=True)
 
 
-def _prism(ring, z: float, half_height: float, smooth: bool) -> Solid:
-    """An upright prism over a ring of (x, y) corners."""
-    level = np.ones((len(ring), 1))
-    low = np.hstack([ring, (z - half_height) * level])
-    high = np.hstack([ring, (z + half_height) * level])
+def _prism(center, ring, half_height: float, smooth: bool) -> Solid:
+    """An upright prism over a ring of (x, y) corners about its centre."""
+    low, high = (
+        np.asarray(center, np.float64) + np.column_stack([ring, np.full(len(ring), z)])
+        for z in (-half_height, half_height)
+    )
     walls = [[low[i], low[j], high[j], high[i]] for i, j in enumerate(_next(len(ring)))]
     return Solid.of_faces([*walls, low, high], smooth)
 

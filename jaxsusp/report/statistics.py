@@ -129,7 +129,7 @@ def median(values: Values) -> float:
     return float(np.median(values)) if len(values) else np.nan
 
 
-def mann_whitney(a: Values, b: Values) -> float:
+def mann_whitney(a: Float[np.ndarray, " runs_a"], b: Float[np.ndarray, " runs_b"]) -> float:
     """p-value of the two-sided Mann-Whitney U test: exact for small samples without ties."""
     if min(len(a), len(b)) < 2:
         return np.nan
@@ -137,7 +137,7 @@ def mann_whitney(a: Values, b: Values) -> float:
     return float(stats.mannwhitneyu(ranks[: len(a)], ranks[len(a) :]).pvalue)
 
 
-def vargha_delaney(a: Values, b: Values) -> float:
+def vargha_delaney(a: Float[np.ndarray, " runs_a"], b: Float[np.ndarray, " runs_b"]) -> float:
     """Probability that a value of `a` is below one of `b`, ties counting half (Â₁₂ for costs)."""
     if min(len(a), len(b)) < 2:
         return np.nan
