@@ -1,5 +1,7 @@
 """Cable tensions of a scenario at given load positions, for people."""
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -15,8 +17,8 @@ from jaxsusp.world import GRAVITY, build_world, cast_world
 
 def tensions(
     scenario: Scenario,
-    position: Float[Array, "*batch xyz"] | np.ndarray | list,
-    acceleration: Float[Array, "*batch xyz"] | np.ndarray | list | float = 0.0,
+    position: Float[Array, "*batch xyz"] | Sequence,
+    acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
 ) -> Float[Array, "*batch cables"]:
     """Tension of every cable that balances the level payload (Eq. 4; spec §3).
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from jaxsusp._types import Array, Float, Key
+from jaxsusp._types import Array, Float, Int, Key
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.problem import Problem
 
@@ -39,7 +39,7 @@ class Evaluations(NamedTuple):
         return max(1, (budget - self.initial) // self.per_step)
 
 
-def run_key(seed: int, name: str, run: int) -> Key[Array, ""]:
+def run_key(seed: int, name: str, run: int | Int[Array, ""]) -> Key[Array, ""]:
     """Key of one run: it depends on seed, algorithm name and run index, and on nothing else."""
     return jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), zlib.crc32(name.encode())), run)
 

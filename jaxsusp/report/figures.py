@@ -72,7 +72,8 @@ def fitness_boxes(ds: xr.Dataset) -> Figure:
         for place, name in enumerate(names):
             cell = ds.sel(scenario=scenario, algorithm=name)
             _draw_runs(panel, place, cell, look[name])
-        panel.set_xticks(range(len(names)), [s.label for s in look.values()])
+        slanted = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
+        panel.set_xticks(range(len(names)), [s.label for s in look.values()], **slanted)
         panel.set_xlim(-0.6, len(names) - 0.4)
         panel.grid(False, axis="x")
         log_axis(panel.yaxis)
@@ -92,7 +93,8 @@ def quartiles(values: Float[np.ndarray, " *batch runs"]) -> Float[np.ndarray, "q
     A quartile between a finite value and +inf is +inf.
     """
     capped = np.minimum(values.astype(np.float64), _HUGE)
-    result = np.nanquantile(capped, [0.25, 0.5, 0.75], axis=-1)
+    quantile = np.nanquantile if np.isnan(capped).any() else np.quantile  # ten times faster
+    result = quantile(capped, [0.25, 0.5, 0.75], axis=-1)
     return np.where(result < _HUGE / 1e6, result, np.inf)
 
 

@@ -72,7 +72,7 @@ def paint_label(
 def _fade(alpha: float) -> Callable:
     """A filter of matplotlib's Agg renderer that makes a finished drawing translucent."""
 
-    def fade(image: np.ndarray, dpi: float) -> tuple[np.ndarray, int, int]:
+    def fade(image: np.ndarray, dpi) -> tuple[np.ndarray, int, int]:
         image[..., 3] *= alpha
         return image, 0, 0
 

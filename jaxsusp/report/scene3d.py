@@ -1,6 +1,5 @@
 """A scenario and the best trajectories in it: the paper's Fig. 7, view and top view."""
 
-import math
 from itertools import product
 from typing import Any
 
@@ -12,10 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from jaxsusp.mechanics import arm
-from jaxsusp.report.look import FAINT, INK, QUIET, heading, legend, picture, quiet, styles
+from jaxsusp.report.look import INK, QUIET, heading, legend, picture, quiet, styles
 from jaxsusp.report.look import save as save
 from jaxsusp.report.painting import Curve, hidden, paint_curve, paint_label, paint_solid, refine
 from jaxsusp.report.render import significant
+from jaxsusp.report.room import paint_room
 from jaxsusp.report.solids import Camera, Solid, cylinder, of_obstacle
 
 STONE = "#C9CDD3"
@@ -45,7 +45,7 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
     camera = best_view(solids, list(curves.values()) or [task])
     figure = picture(13.0, 7.0)
     view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
-    _room(view, camera, scenario)
+    paint_room(view, camera, scenario.workspace.lower, scenario.workspace.upper)
     for axes, eye in ((view, camera), (top, Camera.above())):
         _obstacles(axes, eye, scenario, solids)
         _cables(axes, eye, scenario, solids)
@@ -67,20 +67,17 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
 
 def best_view(solids: list[Solid], curves: list[Curve]) -> Camera:
     """The camera that hides least of the curves and foreshortens them least."""
-    fine = [refine(curve, 4) for curve in curves]
-    lengths = [_length(curve) for curve in fine]
+    fine = [refine(curve, 3) for curve in curves]
+    points = np.concatenate(fine)
+    steps = np.concatenate([np.diff(curve, axis=0) for curve in fine])
 
     def merit(camera: Camera) -> float:
-        lost = np.mean([hidden(curve, solids, camera).mean() for curve in fine])
-        seen = np.sum([_length(camera.project(curve)) for curve in fine]) / np.sum(lengths)
-        return float(seen - 2 * lost)
+        seen = np.linalg.norm(camera.project(steps), axis=1).sum()
+        share = seen / np.linalg.norm(steps, axis=1).sum()
+        return float(share - 2 * hidden(points, solids, camera).mean())
 
-    angles = product(range(-175, 180, 10), (22, 30))
+    angles = product(range(-170, 180, 15), (22, 30))
     return max((Camera(np.deg2rad(a), np.deg2rad(e)) for a, e in angles), key=merit)
-
-
-def _length(curve) -> float:
-    return float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum())
 
 
 def _trajectories(ds: xr.Dataset | None) -> dict[str, Curve]:
@@ -149,45 +146,6 @@ def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> N
         paint_label(axes, camera, above, f"P{'₀₁₂₃₄₅₆₇₈₉'[number % 10]}", fontsize=9)
 
 
-def _room(axes: Axes, camera: Camera, scenario: Any) -> None:
-    """The floor with a one-metre grid and its scales, and the edges of the workspace."""
-    low, high = (np.asarray(v, np.float64) for v in _workspace(scenario))
-    floor = min(0.0, low[2])
-    ring = np.array([[x, y, floor] for x, y in _ring(low, high)])
-    axes.fill(*camera.project(ring).T, facecolor="#F6F6F4", edgecolor=QUIET, lw=0.8, zorder=1)
-    grid = [((x, low[1], floor), (x, high[1], floor)) for x in _metres(low[0], high[0])]
-    grid += [((low[0], y, floor), (high[0], y, floor)) for y in _metres(low[1], high[1])]
-    _segments(axes, camera, grid, color=FAINT, lw=0.8, zorder=1.1)
-    corners = _ring(low, high)
-    edges = [((x, y, low[2]), (x, y, high[2])) for x, y in corners]
-    for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-        edges += [((*a, z), (*b, z)) for z in (low[2], high[2])]
-    _segments(axes, camera, edges, color=QUIET, lw=0.7, ls=(0, (2, 3)), zorder=1.2)
-    _scales(axes, camera, low, high, floor)
-
-
-def _scales(axes: Axes, camera: Camera, low, high, floor: float) -> None:
-    """Metres along the two floor edges next to the viewer and up the edge on the left."""
-
-    def label(point, text) -> None:
-        paint_label(axes, camera, point, f"{text}", color=QUIET)
-
-    sides = np.where(camera.towards[:2] > 0, 1, -1)
-    near, away = np.where(sides > 0, high[:2], low[:2]), 0.3 * sides
-    for x in _metres(low[0], high[0]):
-        label((x, near[1] + away[1], floor), x)
-    for y in _metres(low[1], high[1]):
-        label((near[0] + away[0], y, floor), y)
-    middle = (low + high) / 2
-    label((middle[0], near[1] + 3.2 * away[1], floor), "x (m)")
-    label((near[0] + 3.2 * away[0], middle[1], floor), "y (m)")
-    left = min(_ring(low, high), key=lambda corner: camera.frame[0, :2] @ corner)
-    left = left - 0.2 * camera.frame[0, :2]
-    for z in _metres(low[2], high[2]):
-        label((*left, z), z)
-    label((*left, high[2] + 0.3), "z (m)")
-
-
 def _arms(axes: Axes, camera: Camera, scenario: Any) -> None:
     """The robots, elbow up, at their nominal ends."""
     for robot in scenario.robots:
@@ -215,28 +173,10 @@ def _finish_view(axes: Axes, scenario: Any) -> None:
 
 
 def _finish_top(axes: Axes, scenario: Any) -> None:
-    low, high = _workspace(scenario)
+    low, high = scenario.workspace.lower, scenario.workspace.upper
     quiet(axes)
     axes.set_aspect("equal")
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_xlabel("x (m)", fontsize=10, color=INK)
     axes.set_ylabel("y (m)", fontsize=10, color=INK)
-
-
-def _workspace(scenario: Any) -> tuple:
-    return scenario.workspace.lower, scenario.workspace.upper
-
-
-def _metres(low: float, high: float) -> range:
-    """Whole metres from low to high."""
-    return range(math.ceil(low), math.floor(high) + 1)
-
-
-def _segments(axes: Axes, camera: Camera, pairs: list, **look) -> None:
-    for pair in pairs:
-        axes.plot(*camera.project(np.array(pair, np.float64)).T, **look)
-
-
-def _ring(low, high) -> list[tuple[float, float]]:
-    return [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]

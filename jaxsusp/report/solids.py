@@ -123,8 +123,8 @@ def of_obstacle(obstacle: Any) -> Solid:
 
 
 def box(center, size, yaw_deg: float = 0.0) -> Solid:
-    """A box of full size (m), turned about the vertical axis."""
-    half, yaw = np.asarray(size, np.float64) / 2, np.deg2rad(yaw_deg)
+    """A box of full size (m), turned about the vertical axis; a flat one gets a millimetre."""
+    half, yaw = np.maximum(size, 1e-3) / 2, np.deg2rad(yaw_deg)
     ring = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * half[:2]
     turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
     return _prism(center, ring @ turn, half[2], smooth=False)
@@ -137,7 +137,7 @@ def cylinder(center, radius: float, height: float, sides: int = 48) -> Solid:
     return _prism(center, ring, height / 2, smooth=True)
 
 
-def sphere(center, radius: float, sides: int = 48) -> Solid:
+def sphere(center, radius: float, sides: int = 36) -> Solid:
     """A sphere (m) as bands of flat faces and a cap at each pole."""
     azimuth = 2 * np.pi * np.arange(sides) / sides
     polar = np.pi * np.arange(1, sides // 2) / (sides // 2)
