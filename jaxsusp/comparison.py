@@ -6,10 +6,19 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+import jax
+import numpy as np
 import xarray as xr
 
 from jaxsusp import results
-from jaxsusp.errors import InputError, require, require_count, require_known
+from jaxsusp.errors import (
+    InputError,
+    require,
+    require_count,
+    require_known,
+    require_label,
+    require_seed,
+)
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.registry import PUBLISHED
 from jaxsusp.optim.registry import algorithms as algorithms_of
@@ -31,8 +40,8 @@ class Event(NamedTuple):
 
 
 def compare(
-    scenarios: Sequence[str | os.PathLike[str] | Scenario] = built_in(),
-    algorithms: Sequence[str | Optimizer] = PUBLISHED,
+    scenarios: str | Sequence[str | os.PathLike[str] | Scenario] = built_in(),
+    algorithms: str | Sequence[str | Optimizer] = PUBLISHED,
     runs: int = 20,
     iterations: int = 500,
     population: int = 30,
@@ -62,30 +71,32 @@ def compare(
         samples: trajectory samples n.
         output: folder for `compare.nc`; every finished unit is kept there at once, so that an
             interrupt loses nothing that finished. None saves nothing.
-        resume: take finished runs from `output` instead of computing them again; with more
-            `runs` than before only the further ones are computed.
+        resume: go on from what is in `output`: only runs that are not finished are computed, and
+            nothing finished is lost, so that runs or algorithms beyond those asked for stay in
+            the dataset.
         progress: called when something happens, see `Event`.
 
     Returns:
         The dataset described by `jaxsusp.results.VARIABLES`.
 
     Raises:
-        InputError: bad settings, or runs to resume that were made with others.
+        InputError: bad settings, a folder that cannot be written, or finished runs that were made
+            with other settings. Nothing has been written then.
     """
     for name, value in (("runs", runs), ("iterations", iterations), ("population", population)):
         require_count(name, value)
-    require_count("seed", seed, least=0)
+    require_seed(seed)
     require_known("budget", budget, BUDGETS)
     require(not resume or output is not None, "resume = True: give the output folder to resume")
-    optimizers = algorithms_of(algorithms)
+    optimizers = _optimizers(algorithms)
     chosen = _distinct(scenarios)
+    groups = stack_scenarios(chosen, waypoints, samples, search)
     units = [
         Unit.plan(group, optimizer, iterations, population, budget)
         for optimizer in optimizers
-        for group in stack_scenarios(chosen, waypoints, samples, search)
+        for group in groups
     ]
     settings = {
-        "scenarios": {scenario.name: scenario.digest for scenario in chosen},
         "iterations": iterations,
         "population": population,
         "seed": seed,
@@ -93,36 +104,39 @@ def compare(
         "samples": samples,
         "search": search,
         "budget": budget,
+        "scenarios": {scenario.name: scenario.digest for scenario in chosen},
     }
     store = Store(
         None if output is None else Path(output),
         {
             "settings": json.dumps(settings),
+            "seed": seed,
+            "coefficients": json.dumps({each.name: _coefficients(each) for each in optimizers}),
             "scenario_files": json.dumps({each.name: each.to_toml() for each in chosen}),
             **results.provenance(),
         },
     )
-    return store.complete(
-        _all_runs(units, runs, seed, iterations, store, store.finished() if resume else [], progress)
-    )
+    finished = store.finished() if resume else []
+    store.prepare()
+    ds = results.merge([*finished, *_compute_missing(units, runs, seed, store, finished, progress)])
+    ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
+    store.complete(ds)
+    return ds
 
 
-def _all_runs(
-    units: list[Unit],
+def _compute_missing(
+    units: Sequence[Unit],
     runs: int,
     seed: int,
-    horizon: int,
     store: Store,
-    finished: list[xr.Dataset],
+    finished: Sequence[xr.Dataset],
     progress: Callable[[Event], None],
 ) -> list[xr.Dataset]:
-    """Every run of every unit: taken from what is finished, else computed and stored."""
-    total, done, parts = sum(unit.cost(runs) for unit in units), 0, []
+    """Compute what is not finished, unit by unit, and store each at once."""
+    total, done, computed = sum(unit.cost(runs) for unit in units), 0, []
     for unit in units:
-        kept, missing = _still_missing(unit, range(runs), finished)
-        parts += kept
+        name, missing = unit.optimizer.name, unit.missing(runs, finished)
         done += unit.cost(runs - len(missing))
-        name = unit.optimizer.name
         if not missing:
             progress(Event(name, "resumed", done, total))
             continue
@@ -132,36 +146,47 @@ def _all_runs(
             progress(Event(name, "running", done + share, total))
 
         progress(Event(name, "compiling", done, total))
-        part = unit.compute(seed, missing, horizon, report)
+        part = unit.compute(seed, missing, report)
         store.save(part)
-        parts.append(part)
+        computed.append(part)
         done += unit.cost(len(missing))
         progress(Event(name, "finished", done, total))
-    return parts
+    return computed
 
 
-def _still_missing(
-    unit: Unit, runs: range, finished: list[xr.Dataset]
-) -> tuple[list[xr.Dataset], list[int]]:
-    """Finished datasets of a unit, cut to the runs asked for, and the runs that they lack."""
-    kept, missing = [], set(runs)
-    for ds in finished:
-        if unit.covers(ds):
-            there = ds["run"].values[ds["fitness"].notnull().all(("scenario", "algorithm"))]
-            useful = sorted(missing.intersection(there.tolist()))
-            kept += [ds.sel(run=useful)] if useful else []
-            missing.difference_update(useful)
-    return kept, sorted(missing)
+def _sorted(ds: xr.Dataset, scenarios: list[str], algorithms: list[str]) -> xr.Dataset:
+    """In the order asked for; algorithms that were there before come last."""
+    there = ds["algorithm"].values.tolist()
+    others = [name for name in there if name not in algorithms]
+    return ds.sel(scenario=scenarios, algorithm=[*algorithms, *others])
 
 
-def _distinct(choices: Sequence[str | os.PathLike[str] | Scenario]) -> list[Scenario]:
+def _optimizers(choices: str | Sequence[str | Optimizer]) -> list[Optimizer]:
+    """Optimisers with distinct names that can label the dataset."""
+    optimizers = algorithms_of([choices] if isinstance(choices, str) else choices)
+    for optimizer in optimizers:
+        require_label("algorithm", optimizer.name)
+    return optimizers
+
+
+def _coefficients(optimizer: Optimizer) -> list:
+    """Numbers that an optimiser's name does not tell, to notice when they change."""
+    return [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(optimizer)]
+
+
+def _distinct(choices: str | Sequence[str | os.PathLike[str] | Scenario]) -> list[Scenario]:
     """Load scenarios and refuse two of one name, which label the dataset."""
-    chosen = [each if isinstance(each, Scenario) else load_scenario(each) for each in choices]
-    names = [scenario.name for scenario in chosen]
-    require(bool(names), "scenarios: none given; name at least one")
-    for name in names:
-        if names.count(name) > 1:
+    chosen: dict[str, tuple[Scenario, str]] = {}
+    for choice in [choices] if isinstance(choices, str) else choices:
+        scenario = choice if isinstance(choice, Scenario) else load_scenario(choice)
+        source = repr(choice.name) if isinstance(choice, Scenario) else os.fspath(choice)
+        require_label(f"name of scenario {source}", scenario.name)
+        if scenario.name in chosen:
+            other = chosen[scenario.name][1]
             raise InputError(
-                f"scenarios = {names}: {name!r} is there twice; give every scenario its own name"
+                f"scenarios: {other} and {source} are both named {scenario.name!r}; give every "
+                "scenario once, under its own name"
             )
-    return chosen
+        chosen[scenario.name] = scenario, source
+    require(bool(chosen), "scenarios: none given; name at least one")
+    return [scenario for scenario, _ in chosen.values()]

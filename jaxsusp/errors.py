@@ -17,10 +17,17 @@ def require(condition: bool, message: str) -> None:
         raise InputError(message)
 
 
-def require_count(name: str, value: int, least: int = 1) -> None:
-    """Refuse a count that is no whole number or too small."""
+def require_count(name: str, value: int, least: int = 1, most: int | None = None) -> None:
+    """Refuse a count that is no whole number, too small or too large."""
     whole = isinstance(value, int) and not isinstance(value, bool)
-    require(whole and value >= least, f"{name} = {value!r}: give a whole number of at least {least}")
+    allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
+    fits = whole and least <= value and (most is None or value <= most)
+    require(fits, f"{name} = {value!r}: give a whole number {allowed}")
+
+
+def require_seed(seed: int) -> None:
+    """Refuse a seed that JAX would cut to 32 bits, so that two seeds would be the same one."""
+    require_count("seed", seed, least=0, most=2**32 - 1)
 
 
 def require_known(name: str, value: str, known: Iterable[str]) -> None:
@@ -31,3 +38,11 @@ def require_known(name: str, value: str, known: Iterable[str]) -> None:
     near = difflib.get_close_matches(str(value), known, n=1)
     hint = f'did you mean "{near[0]}"? ' if near else ""
     raise InputError(f"{name} = {value!r} is not known; {hint}choose from {', '.join(known)}")
+
+
+def require_label(name: str, value: str) -> None:
+    """Refuse a name that cannot label results: empty, or with control characters."""
+    require(
+        value.isprintable() and value.strip() != "",
+        f"{name} = {value!r}: give a name of printable characters, on one line",
+    )

@@ -147,6 +147,16 @@ class Problem:
         )
 
     @property
+    def low(self) -> Float[Array, "1 dim"]:
+        """Lower bounds as a row, beside a population."""
+        return self.lower[None]
+
+    @property
+    def high(self) -> Float[Array, "1 dim"]:
+        """Upper bounds as a row, beside a population."""
+        return self.upper[None]
+
+    @property
     def dim(self) -> int:
         """Number D of decision variables."""
         return self.lower.shape[-1]
@@ -170,14 +180,14 @@ class Problem:
         stability = getattr(self.fitness, "stability", None)
         return None if stability is None else stability(x)
 
-    def repair(self, x: Float[Array, "*pop dim"]) -> Float[Array, "*pop dim"]:
+    def repair(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop dim"]:
         """The admissible point that is evaluated and kept in place of x."""
-        return jnp.clip(x, self.lower, self.upper)
+        return jnp.clip(x, self.low, self.high)
 
     def sample(self, key, count: int) -> Float[Array, "pop dim"]:
         """Uniform random candidates."""
         unit = jax.random.uniform(key, (count, self.dim), self.lower.dtype)
-        return self.repair(self.lower + (self.upper - self.lower) * unit)
+        return self.repair(self.low + (self.high - self.low) * unit)
 
 
 def _flatten(problem: Problem):

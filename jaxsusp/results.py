@@ -9,20 +9,25 @@ import datetime
 import json
 import os
 import platform
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import h5py
 import jax
 import numpy as np
 import xarray as xr
 
 from jaxsusp._files import atomic_path
 from jaxsusp.errors import InputError
+from jaxsusp.launch import cores
 
 TERMS = ("length", "height", "cable", "tension_rate", "curvature", "penalty")
 PACKAGES = ("jaxsusp", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf")
+JSON_ATTRIBUTES = ("settings", "coefficients", "scenario_files", "versions", "machine")
+DECISIVE = ("jaxsusp", "jax", "jaxlib")
+"""Packages whose version decides what a search finds: these must agree to put runs together."""
 
 
 class Variable(NamedTuple):
@@ -36,6 +41,7 @@ class Variable(NamedTuple):
 
 _CELL = ("scenario", "algorithm")
 _RUN = (*_CELL, "run")
+_NUMBERED = ("run", "iteration", "variable", "sample")
 
 VARIABLES: dict[str, Variable] = {
     "fitness": Variable(_RUN, np.float64, "best fitness, re-evaluated in float64 (Eq. 21)"),
@@ -62,8 +68,11 @@ VARIABLES: dict[str, Variable] = {
 SUMMED = ("seconds_run", "seconds_compile")
 """Variables that add up when a comparison is put together from units."""
 
+OF_THE_BEST_RUN = ("position", "curvature_radius")
+"""Variables that tell of the best run of a cell."""
 
-def dataset(coords: dict[str, Sequence], values: dict[str, np.ndarray]) -> xr.Dataset:
+
+def dataset(coords: Mapping[str, Any], values: Mapping[str, np.ndarray]) -> xr.Dataset:
     """A dataset of the one layout.
 
     Args:
@@ -85,16 +94,15 @@ def dataset(coords: dict[str, Sequence], values: dict[str, np.ndarray]) -> xr.Da
 
 
 def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Put units together; labels keep the order in which they first appear, runs are sorted.
+    """Put datasets of one comparison together.
+
+    Scenarios and algorithms keep the order in which they first appear; numbered labels are sorted.
 
     Raises:
-        InputError: two units hold the same scenario, algorithm and run.
+        InputError: two of them hold the same run of the same algorithm on the same scenario.
     """
-    coords = {
-        dim: _union(unit[dim].values for unit in units)
-        for dim in ("scenario", "algorithm", "iteration", "variable", "sample")
-    }
-    coords["run"] = sorted(_union(unit["run"].values for unit in units))
+    coords = {dim: _union(unit[dim].values for unit in units) for dim in _CELL}
+    coords |= {dim: sorted(_union(unit[dim].values for unit in units)) for dim in _NUMBERED}
     sizes = {**{dim: len(labels) for dim, labels in coords.items()}, "term": len(TERMS), "axis": 3}
     values = {
         name: np.full(
@@ -104,45 +112,57 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
         )
         for name, variable in VARIABLES.items()
     }
-    best = np.full((sizes["scenario"], sizes["algorithm"]), np.inf)
+    best = np.full((sizes["scenario"], sizes["algorithm"]), np.nan)
     for unit in units:
         place = {
-            dim: [coords[dim].index(label) for label in unit[dim].values.tolist()]
-            for dim in coords
+            dim: [coords[dim].index(label) for label in unit[dim].values.tolist()] for dim in coords
         }
-        _refuse_overlap(values["fitness"], unit, place)
+        there = unit["fitness"].transpose(*_RUN).notnull()
+        _refuse_overlap(values["fitness"], there, place)
         leads = _leads(best, unit, place)
         for name, variable in VARIABLES.items():
             where = np.ix_(*(place.get(dim, range(sizes[dim])) for dim in variable.dims))
             given = unit[name].transpose(*variable.dims).values
             if name in SUMMED:
                 values[name][where] += given
-            elif name in ("position", "curvature_radius"):  # they tell of the best run so far
-                mask = leads.reshape(leads.shape + (1,) * (given.ndim - 2))
-                values[name][where] = np.where(mask, given, values[name][where])
+                continue
+            if name in OF_THE_BEST_RUN:
+                told = leads
             else:
-                values[name][where] = given
-    merged = dataset(coords, values)
-    merged.attrs = dict(units[0].attrs)
-    return merged
+                told = there.any([dim for dim in _RUN if dim not in variable.dims]).values
+            told = told.reshape(told.shape + (1,) * (given.ndim - told.ndim))
+            values[name][where] = np.where(told, given, values[name][where])
+    return dataset(coords, values).assign_attrs(_united_attributes(units))
 
 
-def _refuse_overlap(fitness: np.ndarray, unit: xr.Dataset, place: dict[str, list[int]]) -> None:
-    cells = np.ix_(place["scenario"], place["algorithm"], place["run"])
-    if not np.isnan(fitness[cells]).all():
+def _refuse_overlap(fitness: np.ndarray, there: xr.DataArray, place: dict[str, list[int]]) -> None:
+    twice = there & ~np.isnan(fitness[np.ix_(*(place[dim] for dim in _RUN))])
+    if twice.any():
+        runs = twice["run"].values[twice.any(_CELL).values].tolist()
+        names = twice["algorithm"].values[twice.any(("scenario", "run")).values].tolist()
         raise InputError(
-            f"runs {unit['run'].values.tolist()} of {unit['algorithm'].values.tolist()} are there "
-            "twice; append runs with other indices"
+            f"run = {runs} of {', '.join(names)} is there twice; append runs with other numbers"
         )
 
 
 def _leads(best: np.ndarray, unit: xr.Dataset, place: dict[str, list[int]]) -> np.ndarray:
-    """Where a unit's best run is the best so far, (scenario, algorithm); updates `best`."""
-    cells = np.ix_(place["scenario"], place["algorithm"])
-    found = unit["fitness"].transpose(*_RUN).min("run").values
-    leads = (found < best[cells]) | np.isinf(best[cells])
-    best[cells] = np.minimum(found, best[cells])
+    """Where a unit has the best run so far, (scenario, algorithm); updates `best`."""
+    cells = np.ix_(*(place[dim] for dim in _CELL))
+    found = unit["fitness"].transpose(*_RUN).min("run").values  # NaN only where there is no run
+    leads = (found < best[cells]) | (np.isnan(best[cells]) & ~np.isnan(found))
+    best[cells] = np.fmin(found, best[cells])
     return leads
+
+
+def _united_attributes(units: Sequence[xr.Dataset]) -> dict[str, Any]:
+    """Those of the first unit, with the coefficients of the algorithms of all."""
+    attributes = dict(units[0].attrs)
+    if "coefficients" in attributes:
+        united = {}
+        for unit in units:
+            united |= json.loads(unit.attrs.get("coefficients", "{}"))
+        attributes["coefficients"] = json.dumps(united)
+    return attributes
 
 
 def _union(labels: Iterable[np.ndarray]) -> list:
@@ -161,13 +181,36 @@ def append(ds: xr.Dataset, more: xr.Dataset) -> xr.Dataset:
 
 
 def different_settings(ds: xr.Dataset, more: xr.Dataset) -> str:
-    """Name of the first setting or version in which two datasets differ, "" if none does."""
-    for attribute in ("settings", "versions"):
-        one, two = (json.loads(each.attrs.get(attribute, "{}")) for each in (ds, more))
-        for key in sorted(one.keys() | two.keys()):
-            if one.get(key) != two.get(key):
-                return f"{key} ({one.get(key)!r} and {two.get(key)!r})"
+    """The first setting, decisive version or coefficient in which two datasets differ, or ""."""
+    (one, one_versions, one_algorithms), (two, two_versions, two_algorithms) = (
+        [
+            json.loads(each.attrs.get(name, "{}"))
+            for name in ("settings", "versions", "coefficients")
+        ]
+        for each in (ds, more)
+    )
+    for key in one | two:
+        if one.get(key) != two.get(key):
+            if key == "scenarios":
+                return _different_scenarios(one.get(key, {}), two.get(key, {}))
+            return f"{key} ({one.get(key)!r} and {two.get(key)!r})"
+    for package in DECISIVE:
+        if one_versions.get(package) != two_versions.get(package):
+            return (
+                f"the version of {package} "
+                f"({one_versions.get(package)} and {two_versions.get(package)})"
+            )
+    for name in one_algorithms.keys() & two_algorithms.keys():
+        if one_algorithms[name] != two_algorithms[name]:
+            return f"the coefficients of {name}"
     return ""
+
+
+def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
+    if one.keys() != two.keys():
+        return f"scenarios ({', '.join(one)} and {', '.join(two)})"
+    changed = ", ".join(name for name in one if one[name] != two[name])
+    return f"the content of scenarios ({changed})"
 
 
 def provenance() -> dict[str, str]:
@@ -175,7 +218,7 @@ def provenance() -> dict[str, str]:
     machine = {
         "platform": platform.platform(),
         "processor": platform.machine(),
-        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "cores": cores(),
         "devices": [str(device) for device in jax.devices()],
         "xla_flags": os.environ.get("XLA_FLAGS", ""),
     }
@@ -189,32 +232,57 @@ def provenance() -> dict[str, str]:
 
 
 def save(ds: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF-4, atomically; its folder is created where missing."""
+    """Write a dataset as NetCDF-4, atomically; its folder is created where missing.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_path(path) as scratch:
-        ds.to_netcdf(scratch, engine="h5netcdf")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_path(path) as scratch:
+            ds.to_netcdf(scratch, engine="h5netcdf")
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); free space there or choose "
+            "another folder"
+        ) from error
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Read a saved dataset into memory.
+    """Read a saved dataset into memory, exactly as it was saved.
 
     Raises:
-        InputError: the file is missing, no NetCDF, or not a comparison of this layout.
+        InputError: the file is missing, no NetCDF-4, damaged, or not a comparison of this layout.
     """
-    path = Path(path)
+    path, remedy = Path(path), "give a file that `jaxsusp compare` wrote"
     if not path.is_file():
-        raise InputError(f"{path}: no such file; `jaxsusp compare` writes results/compare.nc")
+        raise InputError(f"{path}: no such file; {remedy}, such as results/compare.nc")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as ds:
-            ds = ds.load()
-    except (OSError, ValueError) as error:
-        raise InputError(
-            f"{path}: cannot be read as NetCDF ({error}); give a file that `jaxsusp compare` wrote"
-        ) from error
-    missing = [name for name in VARIABLES if name not in ds]
-    if missing:
-        raise InputError(
-            f"{path}: lacks {', '.join(missing)}; give a file that `jaxsusp compare` wrote"
-        )
-    return ds
+        h5py.File(path, "r").close()  # h5netcdf leaves a half-open file behind where this fails
+        with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
+            ds = stored.load()
+    except Exception as error:  # a damaged file can raise anything
+        raise InputError(f"{path}: cannot be read as NetCDF-4 ({error}); {remedy}") from error
+    if wrong := _not_this_layout(ds):
+        raise InputError(f"{path}: is not a comparison ({wrong}); {remedy}")
+    values = {name: ds[name].values for name in VARIABLES}
+    return dataset({dim: ds[dim].values for dim in (*_CELL, *_NUMBERED)}, values).assign_attrs(
+        ds.attrs
+    )
+
+
+def _not_this_layout(ds: xr.Dataset) -> str:
+    """What is missing or wrong, "" if nothing is."""
+    for name, variable in VARIABLES.items():
+        if name not in ds or ds[name].dims != variable.dims:
+            return f"it has no {name} with dimensions {', '.join(variable.dims)}"
+    for dim in (*_CELL, *_NUMBERED):
+        if dim not in ds.coords:
+            return f"{dim} has no labels"
+    for name in JSON_ATTRIBUTES:
+        try:
+            json.loads(ds.attrs[name])
+        except (KeyError, TypeError, ValueError):
+            return f"attribute {name} is missing or broken"
+    return ""

@@ -14,6 +14,7 @@ import xarray as xr
 
 from jaxsusp import results
 from jaxsusp.batch import Outcome, run_batch
+from jaxsusp.errors import InputError
 from jaxsusp.fitness import FitnessTerms, curvature, trajectory
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.loop import Evaluations, count_evaluations
@@ -86,46 +87,59 @@ class Unit(NamedTuple):
     def plan(
         cls, group: Group, optimizer: Optimizer, iterations: int, population: int, budget: str
     ) -> "Unit":
-        """Decide the iterations: as asked, or as many as the common budget of evaluations allows."""
+        """Decide the iterations: as asked, or as many as the common budget of evaluations allows.
+
+        Raises:
+            InputError: the budget does not allow one iteration.
+        """
         per_run = count_evaluations(optimizer, group.first, population)
         if budget == "evaluations":
-            iterations = per_run.affordable(population * (iterations + 1))
+            allowed = population * (iterations + 1)
+            if per_run.total(1) > allowed:
+                raise InputError(
+                    f"iterations = {iterations}: {optimizer.name} needs {per_run.total(1)} "
+                    f"evaluations for one iteration and the budget is {allowed}; give more "
+                    'iterations or budget = "iterations"'
+                )
+            iterations = per_run.affordable(allowed)
         return cls(group, optimizer, iterations, population, per_run)
 
     def cost(self, runs: int) -> int:
         """Fitness evaluations of so many runs on all scenarios of the group."""
         return runs * len(self.group.scenarios) * self.per_run.total(self.iterations)
 
-    def covers(self, ds: xr.Dataset) -> bool:
-        """Whether a saved dataset holds runs of this unit."""
-        return (
-            ds["scenario"].values.tolist() == self.group.names
-            and ds["algorithm"].values.tolist() == [self.optimizer.name]
-            and ds["iterations"].values.tolist() == [self.iterations]
-        )
+    def missing(self, runs: int, finished: Sequence[xr.Dataset]) -> list[int]:
+        """Which of the first so many runs are in none of the finished datasets."""
+        there: set[int] = set()
+        for ds in finished:
+            labels = {"scenario": self.group.names, "algorithm": [self.optimizer.name]}
+            found = ds["fitness"].reindex(labels).notnull().all(tuple(labels))
+            there.update(ds["run"].values[found.values].tolist())
+        return [run for run in range(runs) if run not in there]
 
-    def compute(
-        self, seed: int, runs: Sequence[int], horizon: int, report: Callable[[int], None]
-    ) -> xr.Dataset:
+    def compute(self, seed: int, runs: Sequence[int], report: Callable[[int], None]) -> xr.Dataset:
         """Run it and describe the outcome.
 
         Args:
             seed: root of all randomness.
             runs: indices of the runs.
-            horizon: length of the iteration axis, at least this unit's own iterations.
             report: called with the number of finished iterations.
         """
         outcome = run_batch(
-            self.group.problems, self.optimizer, seed, runs, self.iterations, self.population, report
+            self.group.problems,
+            self.optimizer,
+            seed,
+            runs,
+            self.iterations,
+            self.population,
+            report,
         )
-        return self._describe(outcome, runs, horizon)
+        return self._describe(outcome, runs)
 
-    def _describe(self, outcome: Outcome, runs: Sequence[int], horizon: int) -> xr.Dataset:
+    def _describe(self, outcome: Outcome, runs: Sequence[int]) -> xr.Dataset:
         suspension = self.group.problems.fitness
         assert isinstance(suspension, Suspension)
         found = evaluate_exactly(suspension, outcome.x)
-        history = np.full((*outcome.fitness.shape, horizon), np.nan, np.float32)
-        history[..., : self.iterations] = outcome.history
         nothing = np.full(outcome.fitness.shape, np.nan)
         per_run = {
             "fitness": found.fitness,
@@ -133,7 +147,7 @@ class Unit(NamedTuple):
             "collisions": found.terms.collisions,
             "violations": found.terms.violations,
             "x": outcome.x,
-            "history": history,
+            "history": outcome.history,
             "stability_acted": getattr(outcome.info, "acted", nothing),
             "stability_kept": getattr(outcome.info, "kept", nothing),
             "position": found.position,
@@ -152,7 +166,7 @@ class Unit(NamedTuple):
                 "scenario": self.group.names,
                 "algorithm": [self.optimizer.name],
                 "run": list(runs),
-                "iteration": range(1, horizon + 1),
+                "iteration": range(1, self.iterations + 1),
                 "variable": range(outcome.x.shape[-1]),
                 "sample": range(suspension.samples),
             },

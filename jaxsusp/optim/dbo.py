@@ -143,28 +143,28 @@ def forage(
     c, (count, _) = coefficients, state.x.shape
     role = roles(count)
     key_roll, key_brood, key_forage, key_steal, key_last = jax.random.split(key, 5)
-    origin = c.task_frame * problem.reference
+    origin = (c.task_frame * problem.reference)[None]
     edges = (role.rollers, role.rollers + role.brood, count - role.thieves)
     p_roll, p_brood, p_forage, p_steal = jnp.split(state.personal, edges)
 
-    worst = state.x[jnp.argmax(state.fitness)]
+    worst = state.x[jnp.argmax(state.fitness)][None]
     rolled = problem.repair(
         roll(c, key_roll, p_roll, state.previous[: role.rollers], worst, origin)
     )
     rolled_fitness = problem.evaluate(rolled)
     x = jnp.concatenate([rolled, state.x[role.rollers :]])
     fitness = jnp.concatenate([rolled_fitness, state.fitness[role.rollers :]])
-    local = x[jnp.argmin(fitness)]  # X*
+    local, best = x[jnp.argmin(fitness)][None], state.best.x[None]  # X*, X^b
 
     shrink = 1 - state.clock.fraction(x.dtype)  # R
     spawn = area(problem, local, shrink, origin)
-    feed = area(problem, state.best.x, shrink, origin)
+    feed = area(problem, best, shrink, origin)
     others = problem.repair(
         jnp.concatenate(
             [
                 brood(key_brood, p_brood, local, spawn),
                 wander(key_forage, p_forage, feed),
-                last_thief(key_last, steal(c, key_steal, p_steal, state.best.x, local)),
+                last_thief(key_last, steal(c, key_steal, p_steal, best, local)),
             ]
         )
     )
@@ -196,7 +196,7 @@ def area(problem: Problem, center: Array, shrink: Array, origin: Array) -> tuple
     """
     offset = center - origin
     return tuple(
-        jnp.clip(origin + offset * scale, problem.lower, problem.upper)
+        jnp.clip(origin + offset * scale, problem.low, problem.high)
         for scale in (1 - shrink, 1 + shrink)
     )
 

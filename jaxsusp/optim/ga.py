@@ -112,8 +112,8 @@ def crossover(
         return jnp.where(inner, contracting, expanding)
 
     middle = 0.5 * (low + high)
-    lower_child = middle - 0.5 * distance * spread(low - problem.lower)
-    upper_child = middle + 0.5 * distance * spread(problem.upper - high)
+    lower_child = middle - 0.5 * distance * spread(low - problem.low)
+    upper_child = middle + 0.5 * distance * spread(problem.high - high)
     swap = jax.random.uniform(key_swap, shape, dtype) < 0.5
     one = jnp.where(crossed, jnp.where(swap, upper_child, lower_child), mother)
     two = jnp.where(crossed, jnp.where(swap, lower_child, upper_child), father)
@@ -134,14 +134,14 @@ def mutate(
         jax.random.uniform(key_member, (count, 1), dtype) <= c.mutation_probability
     ) & (jax.random.uniform(key_variable, x.shape, dtype) < min(0.5, 1 / dim))
     draw = jax.random.uniform(key_size, x.shape, dtype)
-    extent = problem.upper - problem.lower
+    extent = problem.high - problem.low
     power = c.mutation_index + 1
 
     def reach(room, weight):
         """Relative step towards a bound at relative distance `room`; weight in [0, 1]."""
         return 1 - (weight + (1 - weight) * (1 - room) ** power) ** (1 / power)
 
-    down = reach((x - problem.lower) / extent, 2 * draw)
-    up = reach((problem.upper - x) / extent, 2 * (1 - draw))
+    down = reach((x - problem.low) / extent, 2 * draw)
+    up = reach((problem.high - x) / extent, 2 * (1 - draw))
     step = jnp.where(draw <= 0.5, -down, up)
     return jnp.where(mutated, x + step * extent, x)

@@ -61,9 +61,9 @@ def _step(coefficients, key, problem: Problem, state: PsoState) -> tuple[PsoStat
     velocity = (
         inertia * state.velocity
         + c.cognitive * pull[0] * (state.personal - state.x)
-        + c.social * pull[1] * (state.best.x - state.x)
+        + c.social * pull[1] * (state.best.x[None] - state.x)
     )
-    limit = c.max_velocity * (problem.upper - problem.lower)
+    limit = c.max_velocity * (problem.high - problem.low)
     velocity = jnp.clip(velocity, -limit, limit)
     proposal = state.x + velocity
     x = problem.repair(proposal)

@@ -68,7 +68,7 @@ def _init(coefficients, key, problem: Problem, population: int, iterations) -> D
     del coefficients
     roles(population)
     x = problem.sample(key, population)
-    x = jnp.concatenate([x, problem.repair(problem.lower + problem.upper - x)])
+    x = jnp.concatenate([x, problem.repair(problem.low + problem.high - x)])
     fitness = problem.evaluate(x)
     fittest = jnp.argsort(fitness, stable=True)[:population]
     return start(problem, x[fittest], fitness[fittest], iterations)
@@ -84,7 +84,7 @@ def _step(coefficients, key, problem: Problem, state: DboState):
 
 
 def _origin(c: SdboCoefficients, problem: Problem) -> Array:
-    return c.dbo.task_frame * problem.reference
+    return (c.dbo.task_frame * problem.reference)[None]
 
 
 def _sine_cosine(
@@ -95,7 +95,7 @@ def _sine_cosine(
     if count == 0:
         return thieves
     dtype, origin = state.x.dtype, _origin(c, problem)
-    p, best = state.personal[-count:] - origin, state.best.x - origin
+    p, best = state.personal[-count:] - origin, state.best.x[None] - origin
     progress = state.clock.fraction(dtype)
     inertia = c.inertia_start + (c.inertia_end - c.inertia_start) * progress  # Eq. 16
     r1 = c.amplitude * jnp.exp(-2 * progress**4)  # Eq. 15
@@ -109,7 +109,7 @@ def _sine_cosine(
 def _pull_to_best(key, state: DboState) -> Array:
     """Optimal individual variation (Eq. 17)."""
     r = jax.random.uniform(key, (len(state.x), 1), state.x.dtype)
-    return state.personal + r * (state.best.x - state.personal)
+    return state.personal + r * (state.best.x[None] - state.personal)
 
 
 def _stabilise(c: SdboCoefficients, problem: Problem, state: DboState):

@@ -2,7 +2,8 @@
 
 import json
 import os
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -58,15 +59,30 @@ def write_report(
     for name, draw in (("convergence", figures.convergence), ("fitness", figures.fitness_boxes)):
         save(draw(ds), folder / f"{name}.png")
         files.append(folder / f"{name}.png")
-    for name, text in json.loads(ds.attrs.get("scenario_files", "{}")).items():
+    texts = json.loads(ds.attrs.get("scenario_files", "{}"))
+    for name, stem in zip(names := ds["scenario"].values.tolist(), _stems(names), strict=True):
+        picture = folder / f"{stem}.png"
         try:
-            scenario = Scenario.from_toml(text, f"{name}.toml")
+            scenario = Scenario.from_toml(texts[name], f"{name}.toml")
+        except KeyError:
+            told(f"{picture.name} is not drawn: the dataset does not hold scenario {name!r}")
         except ScenarioError as error:  # the mesh it names has gone
-            told(f"{name}.png is not drawn: {error}")
-            continue
-        save(scene3d.scene(scenario, ds.sel(scenario=name)), folder / f"{name}.png")
-        files.append(folder / f"{name}.png")
+            told(f"{picture.name} is not drawn: {error}")
+        else:
+            save(scene3d.scene(scenario, ds.sel(scenario=name)), picture)
+            files.append(picture)
     return files
+
+
+def _stems(names: Sequence[str]) -> list[str]:
+    """Names of pictures: the scenarios' own where they make plain file names of no other picture."""
+    taken, stems = {"convergence", "fitness"}, []
+    for name in names:
+        plain = re.sub(r"[^\w.-]+", "-", name).strip("-.")[:60] or "scenario"
+        candidates = (plain, *(f"{plain}-{number}" for number in range(2, len(names) + 4)))
+        stems.append(next(stem for stem in candidates if stem.casefold() not in taken))
+        taken.add(stems[-1].casefold())  # some file systems do not tell upper from lower case
+    return stems
 
 
 def as_records(ds: xr.Dataset) -> dict[str, list[dict]]:
