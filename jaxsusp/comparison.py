@@ -37,6 +37,7 @@ class Event(NamedTuple):
     phase: str  # "resumed", "compiling", "running" or "finished"
     done: int  # fitness evaluations done …
     total: int  # … of the whole comparison
+    compilations: int = 0  # still to be done, this one included
 
 
 def compare(
@@ -118,7 +119,7 @@ def compare(
     )
     finished = store.finished() if resume else []
     store.prepare()
-    ds = results.merge([*finished, *_compute_missing(units, runs, seed, store, finished, progress)])
+    ds = results.merge([*_compute_missing(units, runs, seed, store, finished, progress), *finished])
     ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
     store.complete(ds)
     return ds
@@ -133,24 +134,29 @@ def _compute_missing(
     progress: Callable[[Event], None],
 ) -> list[xr.Dataset]:
     """Compute what is not finished, unit by unit, and store each at once."""
-    total, done, computed = sum(unit.cost(runs) for unit in units), 0, []
-    for unit in units:
-        name, missing = unit.optimizer.name, unit.missing(runs, finished)
+    work = [(unit, unit.missing(runs, finished)) for unit in units]
+    total, to_go = sum(unit.cost(runs) for unit in units), sum(bool(missing) for _, missing in work)
+    done, computed = 0, []
+
+    def tell(unit: Unit, phase: str, extra: int = 0) -> None:
+        progress(Event(unit.optimizer.name, phase, done + extra, total, to_go))
+
+    for unit, missing in work:
         done += unit.cost(runs - len(missing))
         if not missing:
-            progress(Event(name, "resumed", done, total))
+            tell(unit, "resumed")
             continue
+        tell(unit, "compiling")
+        to_go -= 1
 
-        def report(iterations: int, unit=unit, name=name, done=done, missing=missing) -> None:
-            share = unit.cost(len(missing)) * iterations // unit.iterations
-            progress(Event(name, "running", done + share, total))
+        def report(iterations: int, unit=unit, missing=missing) -> None:
+            tell(unit, "running", unit.cost(len(missing)) * iterations // unit.iterations)
 
-        progress(Event(name, "compiling", done, total))
-        part = unit.compute(seed, missing, report)
+        part = unit.compute(seed, missing, report).assign_attrs(store.attributes)
         store.save(part)
         computed.append(part)
         done += unit.cost(len(missing))
-        progress(Event(name, "finished", done, total))
+        tell(unit, "finished")
     return computed
 
 

@@ -60,19 +60,23 @@ def _population_fitness(suspension: Suspension, x: Array) -> Array:
     """Fitness of (N, D); whatever `vmap` adds, the arithmetic sees one flat batch of candidates.
 
     Runs join the population in the last axis, where XLA vectorises. Scenarios, whose worlds
-    differ, stay an outer axis.
+    differ, are taken in turn: one body of code whatever their number keeps a run bit-equal
+    whether its scenario is alone or stacked.
     """
     return _flat_fitness(suspension, x)
 
 
 @_population_fitness.def_vmap
 def _population_fitness_rule(axis_size, in_batched, suspension, x):
-    world_batched, x_batched = in_batched
-    if not any(jax.tree.leaves(world_batched)):
+    if not any(jax.tree.leaves(in_batched[0])):
         flat = _population_fitness(suspension, x.reshape(-1, x.shape[-1]))
         return flat.reshape(x.shape[:-1]), True
-    axes = jax.tree.map(lambda batched: 0 if batched else None, (world_batched, x_batched))
-    return jax.vmap(_flat_fitness, in_axes=axes, axis_size=axis_size)(suspension, x), True
+    suspension, x = jax.tree.map(
+        lambda leaf, batched: leaf if batched else jnp.stack([leaf] * axis_size),
+        (suspension, x),
+        tuple(in_batched),
+    )
+    return jax.lax.map(lambda each: _flat_fitness(*each), (suspension, x)), True
 
 
 class Problem:
@@ -178,7 +182,7 @@ class Problem:
     def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"] | None:
         """S_c of every candidate's waypoints (Eq. 18); None on a generic problem."""
         stability = getattr(self.fitness, "stability", None)
-        return None if stability is None else stability(x)
+        return stability(x) if stability else None
 
     def repair(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop dim"]:
         """The admissible point that is evaluated and kept in place of x."""

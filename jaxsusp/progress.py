@@ -7,10 +7,10 @@ can be measured.
 import time
 from collections.abc import Callable
 from datetime import timedelta
-from typing import NamedTuple, Self
+from statistics import fmean
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
 from jaxsusp.comparison import Event
@@ -20,67 +20,104 @@ class Pace:
     """How fast a comparison gets on, from the events it is told.
 
     Args:
-        clock: seconds from any origin.
+        clock: seconds since any origin.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
         self._clock = clock
-        self._start = clock()
-        self._done = 0
-        self._computed = 0  # what was there before is not
-        self._total = 0
-        self._mark: tuple[float, int] | None = None  # first chunk of this algorithm: time and done
-        self.rate: float | None = None  # fitness evaluations per second, without compilation
+        self._start = self._compiling_since = clock()
+        self._compilations: list[float] = []  # seconds of each
+        self._first_chunk: tuple[float, int] | None = None  # when, and evaluations done then
+        self._rate: float | None = None
+        self._end: float | None = None  # when everything should be done
 
     def told(self, event: Event) -> None:
         """Take an event into account."""
         now = self._clock()
-        if event.phase in ("running", "finished"):
-            self._computed += event.done - self._done
         if event.phase == "compiling":
-            self._mark = None
-        elif event.phase == "running" and self._mark is None:
-            self._mark = now, event.done
-        elif event.phase == "running" and self._mark is not None and now > self._mark[0]:
-            self.rate = (event.done - self._mark[1]) / (now - self._mark[0])
-        self._done, self._total = event.done, event.total
+            self._compiling_since, self._first_chunk = now, None
+        elif event.phase == "running":
+            if self._first_chunk is None:
+                self._compilations.append(now - self._compiling_since)
+                self._first_chunk = now, event.done
+            since, before = self._first_chunk
+            if now > since:
+                self._rate = (event.done - before) / (now - since)
+        if self._rate:
+            compiling = event.compilations * fmean(self._compilations)
+            self._end = now + compiling + (event.total - event.done) / self._rate
 
     @property
-    def elapsed(self) -> float:
-        """Seconds so far."""
-        return self._clock() - self._start
+    def rate(self) -> str:
+        """Fitness evaluations per second while computing."""
+        return "" if self._rate is None else f"{self._rate / 1e3:,.0f}k evals/s"
 
     @property
-    def remaining(self) -> float | None:
-        """Seconds to go if compilation and computation go on in the same proportion."""
-        if not self._computed:
-            return None
-        return self.elapsed * (self._total - self._done) / self._computed
+    def elapsed(self) -> str:
+        """Time so far."""
+        return _clock_time(self._clock() - self._start)
+
+    @property
+    def left(self) -> str:
+        """Time to go if compiling and computing go on as they did."""
+        return "" if self._end is None else f"{_clock_time(self._end - self._clock())} left"
+
+
+def _clock_time(seconds: float) -> str:
+    return str(timedelta(seconds=max(0, round(seconds))))
+
+
+class _PaceColumn(ProgressColumn):
+    def __init__(self, pace: Pace):
+        super().__init__()
+        self._pace = pace
+
+    def render(self, task: Task) -> Text:
+        del task
+        return Text("  ".join(filter(None, (self._pace.rate, self._pace.elapsed, self._pace.left))))
 
 
 class ProgressBar:
     """Context manager that shows progress; `told` is the callback for `jaxsusp.compare`."""
 
     def __init__(self, console: Console):
-        self.finished: list[str] = []
-        self._pace = Pace()
+        self.kept: list[str] = []  # algorithms that an interrupt does not lose
         self._console = console
-        self._bar = _bar(console) if console.is_terminal else None
-        self._task = self._bar.add_task("starting", eta=None, rate=None) if self._bar else None
+        self._pace = Pace()
+        self._bar = Progress(
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=16),
+            TextColumn("{task.percentage:>3.0f} %"),
+            _PaceColumn(self._pace),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+        self._task = self._bar.add_task("starting")
 
-    def __enter__(self) -> Self:
-        if self._bar:
-            self._bar.start()
+    def __enter__(self) -> "ProgressBar":
+        self._bar.start()
         return self
 
     def __exit__(self, *_) -> None:
-        self.stop()
-
-    def stop(self) -> None:
-        """Remove the bar."""
-        if self._bar:
-            self._bar.stop()
+        self._bar.stop()
 
     def told(self, event: Event) -> None:
         """Show an event."""
         self._pace.told(event)
+        ended = event.phase in ("finished", "resumed")
+        if ended and event.algorithm not in self.kept:
+            self.kept.append(event.algorithm)
+        if self._bar.disable:
+            if ended:
+                self._print_line(event)
+            return
+        text = event.algorithm if event.phase == "running" else f"{event.algorithm} {event.phase}"
+        self._bar.update(self._task, description=text, completed=event.done, total=event.total)
+
+    def _print_line(self, event: Event) -> None:
+        how = "was there already" if event.phase == "resumed" else "finished"
+        share = f"{100 * event.done / event.total:.0f} % after {self._pace.elapsed}"
+        left = self._pace.left if event.done < event.total else ""
+        line = ", ".join(filter(None, (f"{event.algorithm} {how}: {share}", self._pace.rate, left)))
+        self._console.print(line, markup=False, highlight=False, soft_wrap=True)

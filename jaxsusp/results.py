@@ -113,7 +113,7 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
         for name, variable in VARIABLES.items()
     }
     best = np.full((sizes["scenario"], sizes["algorithm"]), np.nan)
-    for unit in units:
+    for unit in sorted(units, key=lambda unit: unit["run"].values.min()):  # a tie goes to the first
         place = {
             dim: [coords[dim].index(label) for label in unit[dim].values.tolist()] for dim in coords
         }
@@ -259,7 +259,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path}: no such file; {remedy}, such as results/compare.nc")
     try:
-        h5py.File(path, "r").close()  # h5netcdf leaves a half-open file behind where this fails
+        with h5py.File(path, "r") as file:
+            dict(file.attrs)  # where this fails, h5netcdf would also print a traceback
         with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
             ds = stored.load()
     except Exception as error:  # a damaged file can raise anything

@@ -73,7 +73,11 @@ class Store:
         return [ds, *(part for part in parts if not _holds(ds, part))]
 
     def save(self, unit: xr.Dataset) -> None:
-        """Keep a unit; the first one discards the parts of an earlier, abandoned comparison."""
+        """Keep a unit; the first one discards the parts of an earlier, abandoned comparison.
+
+        Args:
+            unit: a finished unit that carries the store's attributes.
+        """
         if self.folder is None:
             return
         parts = self.folder / PARTS
@@ -83,7 +87,7 @@ class Store:
         labels = [unit[dim].values.tolist() for dim in ("scenario", "algorithm", "run")]
         algorithm = re.sub(r"[^\w-]", "_", labels[1][0])[:40]
         digest = hashlib.sha256(repr(labels).encode()).hexdigest()[:12]
-        results.save(unit.assign_attrs(self.attributes), parts / f"{algorithm}-{digest}.nc")
+        results.save(unit, parts / f"{algorithm}-{digest}.nc")
 
     def complete(self, ds: xr.Dataset) -> None:
         """Save the whole comparison and remove its parts."""

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Int, Key
 from jaxsusp.optim.base import Optimizer
@@ -37,6 +38,13 @@ class Evaluations(NamedTuple):
     def affordable(self, budget: int) -> int:
         """The most iterations that stay within a budget of evaluations, at least one."""
         return max(1, (budget - self.initial) // self.per_step)
+
+
+class Portions(NamedTuple):
+    """Sizes of the populations that are evaluated one after the other."""
+
+    initial: tuple[int, ...]
+    step: tuple[int, ...]
 
 
 def run_key(seed: int, name: str, run: int | Int[Array, ""]) -> Key[Array, ""]:
@@ -79,30 +87,33 @@ def advance(
 
 def count_evaluations(optimizer: Optimizer, problem: Problem, population: int) -> Evaluations:
     """Count what a program evaluates by tracing it, so that no algorithm reports its own cost."""
-    counter = _Counter(problem)
+    portions = evaluation_sizes(optimizer, problem, population)
+    return Evaluations(sum(portions.initial), sum(portions.step))
+
+
+def evaluation_sizes(optimizer: Optimizer, problem: Problem, population: int) -> Portions:
+    """The portions in which an optimiser evaluates, found by tracing it with another fitness."""
+    recorder = _Recorder(problem)
     key = jax.eval_shape(lambda: jax.random.key(0))
-    state = jax.eval_shape(
-        lambda key: optimizer.init(key, counter.problem, population, 1), key
-    )
-    initial, counter.count = counter.count, 0
-    jax.eval_shape(lambda key, state: optimizer.step(key, counter.problem, state), key, state)
-    return Evaluations(initial, counter.count)
+    state = jax.eval_shape(lambda key: optimizer.init(key, recorder.problem, population, 1), key)
+    initial, recorder.sizes = tuple(recorder.sizes), []
+    jax.eval_shape(lambda key, state: optimizer.step(key, recorder.problem, state), key, state)
+    return Portions(initial, tuple(recorder.sizes))
 
 
-class _Counter:
-    """A problem of the same shape whose fitness counts the candidates it is asked for."""
+class _Recorder:
+    """A problem of the same shape whose fitness records how many candidates it is asked for."""
 
     def __init__(self, problem: Problem):
-        self.count = 0
-        self.problem = Problem(self, problem.lower, problem.upper, problem.reference)
+        self.sizes: list[int] = []
+        self.problem = Problem(Partial(self), problem.lower, problem.upper, problem.reference)
         self.problem.fitness = self
-        if getattr(problem.fitness, "stability", None) is not None:
-            self.stability = problem.fitness.stability
+        self.stability = getattr(problem.fitness, "stability", None)
 
     def __call__(self, x: Array) -> Array:
-        self.count += 1
+        self.sizes.append(1)
         return x.sum()
 
     def population(self, x: Array) -> Array:
-        self.count += len(x)
+        self.sizes.append(len(x))
         return x.sum(axis=1)

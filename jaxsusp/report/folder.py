@@ -75,7 +75,7 @@ def write_report(
 
 
 def _stems(names: Sequence[str]) -> list[str]:
-    """Names of pictures: the scenarios' own where they make plain file names of no other picture."""
+    """File names of pictures: the scenarios' own as far as they are plain and not taken."""
     taken, stems = {"convergence", "fitness"}, []
     for name in names:
         plain = re.sub(r"[^\w.-]+", "-", name).strip("-.")[:60] or "scenario"

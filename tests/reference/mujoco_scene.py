@@ -11,6 +11,10 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from jaxsusp.geometry.obstacles import Obstacles, pack
+
+KINDS = ("box", "cylinder", "sphere")
+
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _FAR = 1e3  # m, beyond every distance asked for
 
@@ -109,3 +113,27 @@ def _add(spec, name: str, obstacle) -> None:
                 pos=obstacle.center,
                 size=[obstacle.radius, 0, 0],
             )
+
+
+def extent(obstacle) -> np.ndarray:
+    """Half-extents of the obstacle in its own frame (m)."""
+    match obstacle.kind:
+        case "box":
+            return np.array(obstacle.size) / 2
+        case "cylinder":
+            return np.array([obstacle.radius, obstacle.radius, obstacle.height / 2])
+        case "sphere":
+            return np.full(3, obstacle.radius)
+
+
+def packed(kind: str, obstacles: Sequence) -> Obstacles:
+    """Obstacles of one kind as the library's arrays."""
+    match kind:
+        case "box":
+            rows = [(*o.center, *extent(o), np.deg2rad(o.yaw_deg)) for o in obstacles]
+        case "cylinder":
+            rows = [(*o.center, o.radius, o.height / 2) for o in obstacles]
+        case "sphere":
+            rows = [(*o.center, o.radius) for o in obstacles]
+    of_kind = [np.array(rows) if each == kind else np.empty(0) for each in KINDS]
+    return pack(*of_kind, counts=tuple(len(obstacles) if each == kind else 0 for each in KINDS))

@@ -12,9 +12,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from mujoco_scene import Scene
+from mujoco_scene import KINDS, Scene, extent, packed
 
-from jaxsusp.geometry.obstacles import Obstacles, pack
 from jaxsusp.geometry.segments import (
     segment_meets_box,
     segment_meets_cylinder,
@@ -55,17 +54,6 @@ def draw_obstacles(kind: str, rng) -> list:
             return [Cylinder(center=center(), radius=r / 2, height=h) for r, h in sizes]
         case "sphere":
             return [Sphere(center=center(), radius=size(1)[0] / 2) for _ in range(OBSTACLES)]
-
-
-def extent(obstacle) -> np.ndarray:
-    """Half-extents of the obstacle in its own frame (m)."""
-    match obstacle.kind:
-        case "box":
-            return np.array(obstacle.size) / 2
-        case "cylinder":
-            return np.array([obstacle.radius, obstacle.radius, obstacle.height / 2])
-        case "sphere":
-            return np.full(3, obstacle.radius)
 
 
 def draw_segment(shape: int, half: np.ndarray, kind: str, rng) -> tuple[np.ndarray, np.ndarray]:
@@ -137,25 +125,10 @@ def draw_pairs(kind: str, obstacles: list, rng) -> Pairs:
     return Pairs(*map(np.array, zip(*rows, strict=True)))
 
 
-def rows_of(kind: str, obstacles: list) -> np.ndarray:
-    """Obstacles as `pack` takes them."""
-    if kind == "box":
-        return np.array([(*o.center, *extent(o), np.deg2rad(o.yaw_deg)) for o in obstacles])
-    if kind == "cylinder":
-        return np.array([(*o.center, o.radius, o.height / 2) for o in obstacles])
-    return np.array([(*o.center, o.radius) for o in obstacles])
-
-
-def packed(kind: str, obstacles: list) -> Obstacles:
-    kinds = ("box", "cylinder", "sphere")
-    rows = [rows_of(kind, obstacles) if each == kind else np.empty(0) for each in kinds]
-    return pack(*rows, counts=tuple(len(obstacles) if each == kind else 0 for each in kinds))
-
-
 def ours(kind: str, obstacles: list, pairs: Pairs, dtype) -> np.ndarray:
     """Whether each segment meets its obstacle, by the library."""
     everything = packed(kind, obstacles)
-    chosen = everything[("box", "cylinder", "sphere").index(kind)]
+    chosen = everything[KINDS.index(kind)]
     body = jax.tree.map(lambda leaf: jnp.asarray(leaf[pairs.obstacle], dtype), chosen)
     a, b = (Vec3.from_array(jnp.asarray(end, dtype)) for end in (pairs.a, pairs.b))
     if kind == "box":
@@ -171,9 +144,9 @@ def ours(kind: str, obstacles: list, pairs: Pairs, dtype) -> np.ndarray:
     [(np.float64, 1e-10, 0.01), (np.float32, 1e-5, 0.06)],
     ids=["float64", "float32"],
 )
-@pytest.mark.parametrize("kind", ["box", "cylinder", "sphere"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_segments_meet_what_mujoco_says_they_meet(kind, dtype, resolution, left_out):
-    rng = np.random.default_rng([2, ("box", "cylinder", "sphere").index(kind)])
+    rng = np.random.default_rng([2, KINDS.index(kind)])
     obstacles = draw_obstacles(kind, rng)
     pairs = draw_pairs(kind, obstacles, rng)
     told = np.abs(pairs.distance) > resolution

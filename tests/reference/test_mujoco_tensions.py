@@ -43,7 +43,7 @@ def with_end_heights(scenario: js.Scenario, heights: tuple[float, ...]) -> js.Sc
 def hang(scenario: js.Scenario, position: np.ndarray) -> Rest:
     """Release the load at `position` with taut cables and wait until it rests."""
     payload = scenario.payload
-    hook = position + [0.0, 0.0, payload.height / 2]
+    hook = position + np.array([0.0, 0.0, payload.height / 2])
     lengths = [np.linalg.norm(np.subtract(robot.end, hook)) for robot in scenario.robots]
     model = mujoco.MjModel.from_xml_string(_xml(scenario, position, lengths))
     data = mujoco.MjData(model)
@@ -117,9 +117,10 @@ def test_tensions_are_those_of_a_load_at_rest_on_three_tendons(scenarios, height
     theirs = np.array([rest.tensions for rest in rests])
     ours = np.asarray(js.tensions(scenario, settled))
     error = np.abs(ours / theirs - 1).max()
+    sunk = np.abs(settled - positions).max()
     print(
-        f"\nlargest relative error {error:.1e}; tensions {theirs.min():.1f} to {theirs.max():.1f} N;"
-        f" load sank by up to {1e3 * np.abs(settled - positions).max():.2f} mm"
+        f"\nlargest relative error {error:.1e}; tensions {theirs.min():.1f} to"
+        f" {theirs.max():.1f} N; load sank by up to {1e3 * sunk:.2f} mm"
     )
 
     assert max(rest.speed for rest in rests) < 1e-8

@@ -1,0 +1,1 @@
+"""Timings: `make bench` (or `python -m benchmarks`) prints what the README quotes."""

@@ -1,0 +1,5 @@
+"""`python -m jaxsusp` is the command line."""
+
+from jaxsusp.cli import main
+
+main()

@@ -1,0 +1,173 @@
+"""What every optimiser owes: one table of algorithms times one table of problems."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.tree_util import Partial
+
+import jaxsusp as js
+from jaxsusp.batch import run_batch
+from jaxsusp.optim.base import Best, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.loop import count_evaluations
+from jaxsusp.optim.registry import algorithm, algorithms
+from jaxsusp.problem import stack_problems
+
+PER_STEP = {"pso": 1, "ga": 1, "dbo": 1, "sdbo": 2, "dbo-task": 1, "sdbo-task": 2}
+
+
+class RandomState(NamedTuple):
+    best: Best
+
+
+def sphere(x):
+    return jnp.sum((x - 0.7) ** 2)
+
+
+def holes(x):
+    """A paraboloid that is NaN on half of the space and -inf on a slab of it."""
+    value = jnp.sum((x - 0.7) ** 2)
+    return jnp.where(x[0] > 1, jnp.nan, jnp.where(x[0] < -1.5, -jnp.inf, value))
+
+
+def problem(function, dtype=np.float64, dim=4) -> js.Problem:
+    return js.Problem(function, -2 * np.ones(dim, dtype), 2 * np.ones(dim, dtype))
+
+
+@pytest.mark.parametrize("name", js.ALGORITHMS)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_minimises_in_the_dtype_of_the_bounds(name, dtype):
+    result = js.minimize(problem(sphere, dtype), name, runs=3, iterations=60, population=20)
+    assert result.x.shape == (3, 4)
+    assert result.x.dtype == result.fitness.dtype == result.history.dtype == dtype
+    assert result.history.shape == (3, 60)
+    assert (np.diff(result.history, axis=1) <= 0).all()
+    np.testing.assert_array_equal(result.history[:, -1], result.fitness)
+    np.testing.assert_allclose([sphere(x) for x in result.x], result.fitness, rtol=1e-4, atol=1e-12)
+    assert (np.abs(result.x) <= 2).all()
+    assert result.fitness.max() < 0.3
+    assert len(np.unique(result.fitness)) == 3, "runs must be independent"
+
+
+@pytest.mark.parametrize("name", js.ALGORITHMS)
+def test_what_is_not_finite_never_becomes_a_best(name):
+    result = js.minimize(problem(holes), name, runs=4, iterations=40, population=12)
+    assert np.isfinite(result.fitness).all()
+    assert np.isfinite(result.x).all()
+    assert ((result.x[:, 0] <= 1) & (result.x[:, 0] >= -1.5)).all()
+    np.testing.assert_allclose([holes(x) for x in result.x], result.fitness)
+
+
+@pytest.mark.parametrize("name", js.ALGORITHMS)
+def test_nothing_but_nan_is_reported_as_infinite(name):
+    everywhere = problem(lambda x: jnp.nan * x.sum())
+    result = js.minimize(everywhere, name, runs=2, iterations=5, population=8)
+    assert np.isposinf(result.fitness).all()
+    assert np.isposinf(result.history).all()
+
+
+@pytest.mark.parametrize("name", js.ALGORITHMS)
+def test_evaluations_are_counted_by_what_the_program_does(name, problems):
+    generic = count_evaluations(algorithm(name), problem(sphere), 30)
+    opposition = 2 if name.startswith("sdbo") else 1
+    assert generic == (30 * opposition, 30 * PER_STEP[name])
+    suspended = count_evaluations(algorithm(name), problems[0], 30)
+    stability_move = 1 if name.startswith("sdbo") else 0
+    assert suspended == (30 * opposition, 30 * (PER_STEP[name] + stability_move))
+
+
+@pytest.mark.parametrize("name", js.ALGORITHMS)
+def test_a_run_depends_on_seed_name_and_index_alone(name):
+    """Bit-equal whatever the number of runs that share the program; the seed changes it."""
+    few = js.minimize(problem(sphere), name, seed=5, runs=2, iterations=20, population=8)
+    many = js.minimize(problem(sphere), name, seed=5, runs=7, iterations=20, population=8)
+    np.testing.assert_array_equal(few.x, many.x[:2])
+    np.testing.assert_array_equal(few.history, many.history[:2])
+    other = js.minimize(problem(sphere), name, seed=6, runs=2, iterations=20, population=8)
+    assert not np.array_equal(few.history, other.history)
+
+
+def test_chunks_do_not_change_a_run():
+    """The driver advances in parts for the progress bar; the parts leave no trace."""
+    from jaxsusp import batch
+
+    stacked = stack_problems([problem(sphere)])
+    whole = run_batch(stacked, js.pso(), 0, range(2), 17, 8)
+    told = []
+    original = batch.CHUNKS
+    try:
+        batch.CHUNKS = 1
+        single = run_batch(stacked, js.pso(), 0, range(2), 17, 8, told.append)
+    finally:
+        batch.CHUNKS = original
+    assert told == [17]
+    np.testing.assert_array_equal(whole.history, single.history)
+
+
+def test_coefficients_are_arguments_not_constants():
+    """Another coefficient, or another call of a factory, compiles nothing anew."""
+    traced = []
+
+    def counted(x):
+        traced.append(None)
+        return jnp.sum(x**2)
+
+    shared = problem(Partial(counted))
+    js.minimize(shared, js.pso(), runs=2, iterations=3, population=5)
+    after_first = len(traced)
+    js.minimize(shared, js.pso(inertia_start=0.7), runs=2, iterations=3, population=5)
+    js.minimize(shared, js.pso(), seed=3, runs=2, iterations=3, population=5)
+    compiled_again = len(traced) - after_first
+    evaluations_counted = 2 * 2  # counting the evaluations looks at the structure, not at fitness
+    assert compiled_again <= evaluations_counted
+    assert after_first > 0
+
+
+def test_a_users_optimizer_is_one_pair_of_functions():
+    """Random search, as a newcomer would write it."""
+
+    def init(key, problem, population, iterations):
+        x = problem.sample(key, population)
+        return RandomState(best_of(x, problem.evaluate(x)))
+
+    def step(key, problem, state):
+        x = problem.sample(key, 10)
+        challenger = best_of(x, problem.evaluate(x))
+        return RandomState(better(challenger, state.best)), NoInfo()
+
+    random_search = Optimizer("random", init, step)
+    result = js.minimize(problem(sphere), random_search, runs=2, iterations=200, population=10)
+    assert result.evaluations == 10 + 200 * 10
+    assert result.fitness.max() < 1
+
+
+def test_bad_choices_have_clear_messages():
+    with pytest.raises(js.InputError, match=r"'sdob' is not known; did you mean \"sdbo\""):
+        algorithm("sdob")
+    with pytest.raises(js.InputError, match="'pso' is repeated"):
+        algorithms(["pso", "ga", js.pso()])
+    with pytest.raises(js.InputError, match="none given"):
+        algorithms([])
+    with pytest.raises(js.InputError, match="frame = 'moon'"):
+        js.dbo(frame="moon")
+    with pytest.raises(js.InputError, match="population of dung beetles = 3"):
+        js.minimize(problem(sphere), "dbo", population=3)
+    for name in ("runs", "iterations", "population"):
+        with pytest.raises(js.InputError, match=f"{name} = 0"):
+            js.minimize(problem(sphere), "pso", **{name: 0})
+    with pytest.raises(js.InputError, match="lower < upper"):
+        js.Problem(sphere, np.zeros(3), np.array([1.0, 0.0, 1.0]))
+    with pytest.raises(js.InputError, match="one length"):
+        js.Problem(sphere, np.zeros(3), np.ones(4))
+    with pytest.raises(js.InputError, match="finite"):
+        js.Problem(sphere, np.zeros(2), np.array([1.0, np.inf]))
+
+
+def test_gradients_and_vmap_go_through_a_problem():
+    shared = problem(sphere)
+    x = jnp.full(4, 0.2)
+    np.testing.assert_allclose(jax.grad(shared.fitness)(x), 2 * (x - 0.7))
+    with pytest.raises(AttributeError, match="from_scenario"):
+        shared.terms(x)
