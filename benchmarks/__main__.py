@@ -88,9 +88,7 @@ def main() -> None:
 
     chosen = [load_scenario(name) for name in scenarios()]
     (group,) = stack_scenarios(chosen, 5, 40, "box")
-    largest = jax.tree.map(
-        jnp.asarray, Problem.from_scenario(chosen[-1], dtype=np.float32)
-    )
+    largest = jax.tree.map(jnp.asarray, Problem.from_scenario(chosen[-1], dtype=np.float32))
     numbers: dict = {"fitness_us": 1e6 * fitness_per_candidate(largest)}
     console.print(
         f"fitness, population of {RUNS * POPULATION}, ten obstacles: "

@@ -6,33 +6,51 @@
     problem = js.Problem.from_scenario(scenario)
     result = js.minimize(problem, js.pso(), runs=20)
 
-The public names are those below; importing the package sets nothing global.
+Importing the package sets nothing global.
 """
 
-# What a person states
-from jaxsusp.errors import InputError as InputError
-from jaxsusp.scenario import Scenario as Scenario
-from jaxsusp.scenario import ScenarioError as ScenarioError
-from jaxsusp.scenario import load_scenario as load_scenario
-from jaxsusp.scenario import scenarios as scenarios
-
-# Mechanics
-from jaxsusp.tensions import tensions as tensions
-
-# Fitness and optimisation
-from jaxsusp.fitness import FitnessTerms as FitnessTerms
-from jaxsusp.problem import Problem as Problem
-from jaxsusp.minimize import Result as Result
-from jaxsusp.minimize import minimize as minimize
-from jaxsusp.optim.base import Optimizer as Optimizer
-from jaxsusp.optim.dbo import dbo as dbo
-from jaxsusp.optim.ga import ga as ga
-from jaxsusp.optim.pso import pso as pso
-from jaxsusp.optim.registry import ALGORITHMS as ALGORITHMS
-from jaxsusp.optim.sdbo import sdbo as sdbo
-
-# Comparisons and their results
-from jaxsusp.comparison import compare as compare
-from jaxsusp.results import append as append
+from jaxsusp.comparison import compare
+from jaxsusp.errors import InputError
+from jaxsusp.fitness import FitnessTerms
+from jaxsusp.minimize import Result, minimize
+from jaxsusp.optim.base import Best, NoInfo, Optimizer
+from jaxsusp.optim.dbo import dbo
+from jaxsusp.optim.ga import ga
+from jaxsusp.optim.pso import pso
+from jaxsusp.optim.registry import ALGORITHMS
+from jaxsusp.optim.sdbo import sdbo
+from jaxsusp.problem import Problem
+from jaxsusp.results import append as append_results
 from jaxsusp.results import load as load_results
 from jaxsusp.results import save as save_results
+from jaxsusp.scenario import Scenario, ScenarioError, load_scenario, scenarios
+from jaxsusp.tensions import tensions
+
+__all__ = [  # noqa: RUF022  by topic, in the order of the data flow
+    # what a person states
+    "Scenario",
+    "load_scenario",
+    "scenarios",
+    "InputError",
+    "ScenarioError",
+    # mechanics and fitness
+    "tensions",
+    "FitnessTerms",
+    "Problem",
+    # optimisers
+    "Optimizer",
+    "Best",
+    "NoInfo",
+    "pso",
+    "ga",
+    "dbo",
+    "sdbo",
+    "ALGORITHMS",
+    "minimize",
+    "Result",
+    # comparisons
+    "compare",
+    "append_results",
+    "load_results",
+    "save_results",
+]

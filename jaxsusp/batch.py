@@ -5,6 +5,7 @@ the same program. A run's numbers do not depend on how many others share it.
 """
 
 import functools
+import itertools
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -72,7 +73,7 @@ def run_batch(
 
         clock = time.perf_counter()
         stops = np.linspace(1, iterations + 1, min(CHUNKS, iterations) + 1).round().astype(int)
-        for first, stop in zip(stops[:-1], stops[1:], strict=True):
+        for first, stop in itertools.pairwise(stops):
             progress = jax.block_until_ready(go(*arguments, progress, int(first), int(stop)))
             report(int(stop) - 1)
         seconds_run = time.perf_counter() - clock

@@ -43,7 +43,9 @@ def count_violations(
     for length, tension in zip(lengths, tensions, strict=True):
         tight = limits.tension_low + tension_margin, limits.tension_high - tension_margin
         violated += _count(~_within(tension, *tight))
-        violated += _count(~_within(length, limits.length_low + margin, limits.length_high - margin))
+        violated += _count(
+            ~_within(length, limits.length_low + margin, limits.length_high - margin)
+        )
     reach = WORKSPACE_TOLERANCE - margin
     violated += _count(
         ~_within(position.x, world.lower.x - reach, world.upper.x + reach)

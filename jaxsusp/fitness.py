@@ -4,6 +4,9 @@ Written for one trajectory with time on axis 0; any trailing axes are candidates
 dtype of the decision vector decides the arithmetic.
 """
 
+import functools
+import operator
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -12,10 +15,10 @@ from jaxsusp._types import Array, Float, Int
 from jaxsusp.constraints import count_violations, stability_of
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
-from jaxsusp.mechanics.statics import hook_tensions
+from jaxsusp.mechanics.statics import hook_tensions, weight
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.vec3 import Vec3, norm
-from jaxsusp.world import GRAVITY, World
+from jaxsusp.world import World
 
 
 class FitnessTerms(NamedTuple):
@@ -50,17 +53,14 @@ def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec
         ends = [jnp.broadcast_to(end, shape).astype(x.dtype) for end in (start, goal)]
         return makima(jnp.concatenate([ends[0], inner, ends[1]]), samples)
 
-    return Vec3(
-        *(coordinate(world.start[i], waypoints[:, i], world.goal[i]) for i in range(3))
-    )
+    return Vec3(*(coordinate(world.start[i], waypoints[:, i], world.goal[i]) for i in range(3)))
 
 
 def tensions_at(world: World, position: Vec3) -> tuple[list[Array], list[Array]]:
     """Cable lengths l_k (m) and static tensions T_k (N) at load positions of any shape."""
     vectors = cable_vectors(position, world.bodies.attachments, world.bodies.ends)
     lengths = cable_lengths(vectors)
-    weight = Vec3(0.0, 0.0, world.mass * GRAVITY)
-    return lengths, hook_tensions(vectors, lengths, weight)
+    return lengths, hook_tensions(vectors, lengths, weight(world.mass))
 
 
 def waypoint_stability(
@@ -92,12 +92,12 @@ def fitness_terms(
     terms = (
         norm(step).sum(axis=0),
         jnp.abs(position.z - world.start.z).sum(axis=0),
-        sum(length.max(axis=0) for length in lengths),
+        _add([length.max(axis=0) for length in lengths]),
         _tension_length_rate(lengths, tensions, interval),
         _total_curvature(step),
         world.kappa * (collisions + violations).astype(x.dtype),
     )
-    total = sum(world.weights[i] * term for i, term in enumerate(terms))
+    total = _add([world.weights[i] * term for i, term in enumerate(terms)])
     return FitnessTerms(*terms, collisions, violations, total)
 
 
@@ -107,7 +107,7 @@ def _tension_length_rate(lengths: list[Array], tensions: list[Array], interval) 
         jnp.abs(_difference(tension) * _difference(length))
         for tension, length in zip(tensions, lengths, strict=True)
     ]
-    return sum(rate for rate in rates).sum(axis=0) / interval**2
+    return _add(rates).sum(axis=0) / interval**2
 
 
 def curvature(step: Vec3) -> Float[Array, "interior *batch"]:
@@ -132,6 +132,10 @@ def curvature(step: Vec3) -> Float[Array, "interior *batch"]:
 def _total_curvature(step: Vec3) -> Array:
     """f5 = Σ_d Δχ_d / L_{d+1} over the interior samples."""
     return curvature(step).sum(axis=0)
+
+
+def _add(arrays: Sequence[Array]) -> Array:
+    return functools.reduce(operator.add, arrays)
 
 
 def _difference(values: Array) -> Array:

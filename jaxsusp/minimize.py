@@ -2,11 +2,12 @@
 
 from typing import Any, NamedTuple
 
+import jax
 import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.batch import run_batch
-from jaxsusp.errors import require_count
+from jaxsusp.errors import require_count, require_seed
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.loop import count_evaluations
 from jaxsusp.optim.registry import algorithm
@@ -54,7 +55,7 @@ def minimize(
     """
     for name, value in (("runs", runs), ("iterations", iterations), ("population", population)):
         require_count(name, value)
-    require_count("seed", seed, least=0)
+    require_seed(seed)
     optimizer = algorithm(optimizer)
     outcome = run_batch(
         stack_problems([problem]), optimizer, seed, range(runs), iterations, population
@@ -64,5 +65,5 @@ def minimize(
         outcome.fitness[0],
         outcome.history[0],
         count_evaluations(optimizer, problem, population).total(iterations),
-        type(outcome.info)(*(leaf[0] for leaf in outcome.info)),
+        jax.tree.map(lambda leaf: leaf[0], outcome.info),
     )

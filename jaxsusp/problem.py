@@ -236,8 +236,9 @@ def _is_pytree(value: Any) -> bool:
 
 
 def require_hook_with_three_cables(scenario: Scenario) -> None:
+    """Refuse systems whose static balance is not that of three cables at one hook."""
     if scenario.payload.attachments != "hook" or len(scenario.robots) != 3:
         raise InputError(
-            f"{scenario.name}: planning needs payload.attachments = \"hook\" and three robots, "
+            f'{scenario.name}: planning needs payload.attachments = "hook" and three robots, '
             f"got {len(scenario.robots)} robots and attachments {scenario.payload.attachments!r}"
         )

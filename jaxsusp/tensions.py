@@ -8,11 +8,11 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
-from jaxsusp.mechanics.statics import hook_tensions
+from jaxsusp.mechanics.statics import hook_tensions, weight
 from jaxsusp.problem import require_hook_with_three_cables
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import GRAVITY, build_world, cast_world
+from jaxsusp.world import build_world, cast_world
 
 
 def tensions(
@@ -41,6 +41,6 @@ def tensions(
         pull = jnp.broadcast_to(jnp.asarray(acceleration, dtype), where.shape)
         world = cast_world(build_world(scenario), dtype)
         vectors = cable_vectors(Vec3.from_array(where), world.bodies.attachments, world.bodies.ends)
-        force = (Vec3.from_array(pull) + Vec3(0.0, 0.0, GRAVITY)) * world.mass
+        force = Vec3.from_array(pull) * world.mass + weight(world.mass)
         found = hook_tensions(vectors, cable_lengths(vectors), force)
         return jnp.stack(found, axis=-1)

@@ -37,7 +37,8 @@ class Vec3(NamedTuple):
     def __mul__(self, scale) -> "Vec3":  # type: ignore[override]
         return Vec3(self.x * scale, self.y * scale, self.z * scale)
 
-    __rmul__ = __mul__  # type: ignore[assignment]
+    def __rmul__(self, scale) -> "Vec3":  # type: ignore[override]
+        return self * scale
 
     def __neg__(self) -> "Vec3":
         return Vec3(-self.x, -self.y, -self.z)

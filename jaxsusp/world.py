@@ -21,9 +21,6 @@ from jaxsusp.vec3 import Vec3
 if TYPE_CHECKING:
     from jaxsusp.scenario import Scenario
 
-GRAVITY = 9.81
-"""m/s², downwards."""
-
 
 class Limits(NamedTuple):
     """The bounds of Eq. 22 that the fitness counts (N, m, 1)."""
@@ -87,9 +84,7 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
         upper=_vector(scenario.workspace.upper),
         bodies=bodies,
         obstacles=pack(*rows, counts=counts or obstacle_counts([scenario])),
-        limits=Limits(
-            *map(_scalar, (*limits.tension, *limits.cable_length, limits.stability))
-        ),
+        limits=Limits(*map(_scalar, (*limits.tension, *limits.cable_length, limits.stability))),
         mass=_scalar(payload.mass),
         duration=_scalar(scenario.task.duration),
         weights=np.asarray(scenario.fitness.weights, np.float64),

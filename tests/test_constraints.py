@@ -34,7 +34,7 @@ def test_every_sample_and_cable_outside_the_length_limits_counts(scenarios):
     scenario = variant(scenarios[0], cable_length=(7.0, 8.0))
     _, line = tensions_on_the_line(scenario)
     ends = np.array([robot.end for robot in scenario.robots])
-    lengths = np.linalg.norm(ends[None] - (line + [0, 0, 0.15])[:, None], axis=-1)
+    lengths = np.linalg.norm(ends[None] - (line + np.array([0, 0, 0.15]))[:, None], axis=-1)
     expected = ((lengths < 7) | (lengths > 8)).sum()
     assert expected > 0
     assert int(js.Problem.from_scenario(scenario).terms(straight(scenario)).violations) == expected

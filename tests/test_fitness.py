@@ -40,7 +40,9 @@ def test_straight_lines_give_the_specified_figures(scenarios, problems, i, dtype
 def test_total_is_the_weighted_sum(scenarios):
     weights = (2.0, 3.0, 0.5, 0.0, 4.0, 1.0)
     scenario = scenarios[0].model_copy(
-        update={"fitness": scenarios[0].fitness.model_copy(update={"weights": weights, "kappa": 7.0})}
+        update={
+            "fitness": scenarios[0].fitness.model_copy(update={"weights": weights, "kappa": 7.0})
+        }
     )
     terms = js.Problem.from_scenario(scenario).terms(straight(scenario) + 0.1)
     parts = [terms.length, terms.height, terms.cable, terms.tension_rate, terms.curvature]
@@ -74,7 +76,9 @@ def test_gradient_matches_finite_differences(scenarios, problems):
             behind = np.array([value(x - s) for s in steps])
             if np.abs(ahead - behind).max() > 100:  # a count jumps: the total is not smooth here
                 continue
-            np.testing.assert_allclose(gradient(x), (ahead - behind) / (2 * h), rtol=2e-5, atol=2e-5)
+            np.testing.assert_allclose(
+                gradient(x), (ahead - behind) / (2 * h), rtol=2e-5, atol=2e-5
+            )
             checked += 1
     assert checked >= 10
 
@@ -124,7 +128,7 @@ def test_tension_rate_by_the_definition(scenarios, problems):
 
     p = np.asarray(trajectory(problem.fitness.world, jnp.asarray(x), 40).to_array())
     ends = np.array([robot.end for robot in scenario.robots])
-    cables = ends[None] - (p + [0, 0, scenario.payload.height / 2])[:, None]
+    cables = ends[None] - (p + np.array([0, 0, scenario.payload.height / 2]))[:, None]
     lengths = np.linalg.norm(cables, axis=-1)
     matrix = np.swapaxes(cables / lengths[..., None], 1, 2)
     tensions = np.linalg.solve(matrix, np.broadcast_to([0, 0, 98.1], (40, 3))[..., None])[..., 0]

@@ -61,9 +61,7 @@ class Motion(NamedTuple):
         )
 
 
-def count_collisions(
-    position: Vec3, bodies: Bodies, obstacles: Obstacles
-) -> Int[Array, "*batch"]:
+def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, "*batch"]:
     """Number n_p of (segment, body, obstacle) contacts of a polyline (Eq. 21, f6; spec §5).
 
     Args:

@@ -1,4 +1,4 @@
-"""Cables as straight, massless segments from the robots' ends to the payload (Eq. 2, 3; spec §2)."""
+"""Cables: straight, massless segments from payload to robot ends (Eq. 2, 3; spec §2)."""
 
 from jaxsusp._types import Array, Float
 from jaxsusp.vec3 import Vec3, norm
@@ -26,8 +26,7 @@ def cable_vectors(position: Vec3, attachments: Vec3, ends: Vec3) -> list[Vec3]:
         K vectors of the shape of `position`, from attachment to end (m).
     """
     return [
-        component(ends, k) - (position + attachment(attachments, k))
-        for k in range(ends.x.shape[0])
+        component(ends, k) - (position + attachment(attachments, k)) for k in range(ends.x.shape[0])
     ]
 
 

@@ -1,10 +1,12 @@
 """Force balance of the suspended payload: J T = F with T >= 0 (Eq. 4-6; spec §3)."""
 
-import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
 from jaxsusp.vec3 import Vec3, cross, dot
+
+GRAVITY = 9.81
+"""m/s², downwards."""
 
 
 def rotation(angles: Float[Array, "3"]) -> Float[Array, "3 3"]:
@@ -47,7 +49,7 @@ def wrench(
     inertia: Float[Array, "3"],
     acceleration: Float[Array, "3"],
     angular_acceleration: Float[Array, "3"],
-    gravity: float = 9.81,
+    gravity: float = GRAVITY,
 ) -> Float[Array, "6"]:
     """F = (m ẍ, m ÿ, m z̈ + m g ; I α̈) that the cables must supply (Eq. 6), N and N m.
 
@@ -55,6 +57,12 @@ def wrench(
     """
     weight = jnp.zeros_like(acceleration).at[2].set(gravity)
     return jnp.concatenate([mass * (acceleration + weight), inertia * angular_acceleration])
+
+
+def weight(mass: Array) -> Vec3:
+    """Net force (0, 0, m g) that holds a payload at rest (N)."""
+    nothing = jnp.zeros_like(mass)
+    return Vec3(nothing, nothing, mass * GRAVITY)
 
 
 def hook_tensions(vectors: list[Vec3], lengths: list[Array], force: Vec3) -> list[Array]:
@@ -92,9 +100,3 @@ def moment_residual(attachment: Float[Array, "3"], force: Float[Array, "3"]) -> 
     vertical and the hook is above the centre of mass.
     """
     return jnp.cross(attachment, force)
-
-
-def weight_of(mass: Array, gravity: float, like: Array) -> Vec3:
-    """Net force (0, 0, m g) of a payload at rest (N)."""
-    zero = jax.numpy.zeros((), like.dtype)
-    return Vec3(zero, zero, mass * gravity)

@@ -33,7 +33,9 @@ class State(Protocol):
     """What the driver reads of an optimiser's state."""
 
     @property
-    def best(self) -> Best: ...
+    def best(self) -> Best:
+        """The best candidate so far."""
+        ...
 
 
 class NoInfo(NamedTuple):
@@ -48,7 +50,7 @@ class Clock(NamedTuple):
 
     @classmethod
     def start(cls, iterations) -> "Clock":
-        """t = 1."""
+        """T = 1."""
         return cls(jnp.asarray(1, jnp.int32), jnp.asarray(iterations, jnp.int32))
 
     def tick(self) -> "Clock":
@@ -56,7 +58,7 @@ class Clock(NamedTuple):
         return self._replace(iteration=self.iteration + 1)
 
     def fraction(self, dtype) -> Float[Array, ""]:
-        """t / T."""
+        """T / T."""
         return self.iteration.astype(dtype) / self.horizon.astype(dtype)
 
 

@@ -195,10 +195,11 @@ def area(problem: Problem, center: Array, shrink: Array, origin: Array) -> tuple
     sort them, and neither do we.
     """
     offset = center - origin
-    return tuple(
-        jnp.clip(origin + offset * scale, problem.low, problem.high)
-        for scale in (1 - shrink, 1 + shrink)
-    )
+
+    def edge(scale: Array) -> Array:
+        return jnp.clip(origin + offset * scale, problem.low, problem.high)
+
+    return edge(1 - shrink), edge(1 + shrink)
 
 
 def brood(key, p: Array, local: Array, spawn: tuple[Array, Array]) -> Array:

@@ -130,9 +130,9 @@ def mutate(
     c = coefficients
     key_member, key_variable, key_size = jax.random.split(key, 3)
     dtype, (count, dim) = x.dtype, x.shape
-    mutated = (
-        jax.random.uniform(key_member, (count, 1), dtype) <= c.mutation_probability
-    ) & (jax.random.uniform(key_variable, x.shape, dtype) < min(0.5, 1 / dim))
+    mutated = (jax.random.uniform(key_member, (count, 1), dtype) <= c.mutation_probability) & (
+        jax.random.uniform(key_variable, x.shape, dtype) < min(0.5, 1 / dim)
+    )
     draw = jax.random.uniform(key_size, x.shape, dtype)
     extent = problem.high - problem.low
     power = c.mutation_index + 1

@@ -21,7 +21,7 @@ class Progress(NamedTuple):
     """A run on its way: optimiser state, best fitness per iteration, and sums of the info."""
 
     state: Any
-    history: Float[Array, "iterations"]
+    history: Float[jax.Array, "iterations"]
     info: Any
 
 
@@ -37,7 +37,7 @@ class Evaluations(NamedTuple):
 
     def affordable(self, budget: int) -> int:
         """The most iterations that stay within a budget of evaluations, at least one."""
-        return max(1, (budget - self.initial) // self.per_step)
+        return max(1, (budget - self.initial) // max(1, self.per_step))
 
 
 class Portions(NamedTuple):
@@ -49,7 +49,9 @@ class Portions(NamedTuple):
 
 def run_key(seed: int, name: str, run: int | Int[Array, ""]) -> Key[Array, ""]:
     """Key of one run: it depends on seed, algorithm name and run index, and on nothing else."""
-    return jax.random.fold_in(jax.random.fold_in(jax.random.key(seed), zlib.crc32(name.encode())), run)
+    return jax.random.fold_in(
+        jax.random.fold_in(jax.random.key(seed), zlib.crc32(name.encode())), run
+    )
 
 
 def begin(

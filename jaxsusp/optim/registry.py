@@ -57,5 +57,7 @@ def algorithms(choices) -> list[Optimizer]:
         raise InputError("algorithms: none given; name at least one")
     repeated = sorted({name for name in names if names.count(name) > 1})
     if repeated:
-        raise InputError(f"algorithms = {names}: {repeated[0]!r} is repeated; give each a name once")
+        raise InputError(
+            f"algorithms = {names}: {repeated[0]!r} is repeated; give each a name once"
+        )
     return chosen

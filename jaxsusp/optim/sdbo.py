@@ -117,13 +117,11 @@ def _stabilise(c: SdboCoefficients, problem: Problem, state: DboState):
     factor = problem.stability(state.personal)
     if factor is None:
         return state, NoInfo()
-    acts = (factor >= WINDOW[0]) & (factor <= WINDOW[1])
+    acts = jnp.logical_and(factor >= WINDOW[0], factor <= WINDOW[1])
     scale = jnp.repeat(jnp.where(acts, factor, 1), 3, axis=1)
     origin = _origin(c, problem)
     acted = acts.any(axis=1)
-    proposal = jnp.where(
-        acted[:, None], origin + scale * (state.personal - origin), state.personal
-    )
+    proposal = jnp.where(acted[:, None], origin + scale * (state.personal - origin), state.personal)
     state, kept = _try(problem, state, proposal)
     dtype = state.x.dtype
     return state, StabilityMove(acted.mean(dtype=dtype), (kept & acted).mean(dtype=dtype))
@@ -133,9 +131,9 @@ def _try(problem: Problem, state: DboState, proposal: Array) -> tuple[DboState, 
     """Evaluate one proposal per beetle; a better one replaces p_i and x_i (and X^b where due)."""
     proposal = problem.repair(proposal)
     fitness = problem.evaluate(proposal)
-    improved = fitness < state.personal_fitness
+    improved = jnp.less(fitness, state.personal_fitness)[:, None]
     moved = state._replace(
-        x=jnp.where(improved[:, None], proposal, state.x),
-        fitness=jnp.where(improved, fitness, state.fitness),
+        x=jnp.where(improved, proposal, state.x),
+        fitness=jnp.where(improved[:, 0], fitness, state.fitness),
     )
-    return remember(moved, proposal, fitness), improved
+    return remember(moved, proposal, fitness), improved[:, 0]

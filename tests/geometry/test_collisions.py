@@ -4,6 +4,8 @@ The reference moves payload and cables along the polyline in small steps and mea
 them against the warning areas, with formulas of its own.
 """
 
+from itertools import pairwise
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -28,7 +30,9 @@ def signed_distance(obstacle, p: np.ndarray) -> np.ndarray:
         case "box":
             yaw = np.deg2rad(obstacle.yaw_deg)
             c, s = np.cos(yaw), np.sin(yaw)
-            q = np.stack([c * q[..., 0] + s * q[..., 1], c * q[..., 1] - s * q[..., 0], q[..., 2]], -1)
+            q = np.stack(
+                [c * q[..., 0] + s * q[..., 1], c * q[..., 1] - s * q[..., 0], q[..., 2]], -1
+            )
             gap = np.abs(q) - np.array(obstacle.size) / 2
         case "cylinder":
             gap = np.stack(
@@ -56,7 +60,7 @@ def payload_surface(scenario: js.Scenario) -> np.ndarray:
 def truly_clear(scenario: js.Scenario, polyline: np.ndarray, per_segment: int) -> bool:
     """Dense check: payload and cables outside every warning area at many instants."""
     t = np.linspace(0, 1, per_segment, endpoint=False)[:, None]
-    instants = np.concatenate([a + t * (b - a) for a, b in zip(polyline, polyline[1:], strict=False)])
+    instants = np.concatenate([a + t * (b - a) for a, b in pairwise(polyline)])
     instants = np.concatenate([instants, polyline[-1:]])
     surface = payload_surface(scenario)
     hook = np.array([0, 0, scenario.payload.height / 2])

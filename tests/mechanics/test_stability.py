@@ -38,12 +38,16 @@ def test_gauge_of_any_polygon_about_its_area_centroid(seed, count):
     corners = ends[hull.vertices, :2]
     fan = [(corners[0], corners[i], corners[i + 1]) for i in range(1, len(corners) - 1)]
     areas = [float(np.linalg.det([b - a, c - a])) / 2 for a, b, c in fan]
-    centroid = sum(w * (a + b + c) / 3 for w, (a, b, c) in zip(areas, fan, strict=True)) / sum(areas)
+    centroid = sum(w * (a + b + c) / 3 for w, (a, b, c) in zip(areas, fan, strict=True)) / sum(
+        areas
+    )
     points = rng.uniform(-6, 6, (50, 3))
     normals, offsets = hull.equations[:, :2], hull.equations[:, 2]
     reach = -(normals @ centroid + offsets)
     expected = np.maximum(0, (normals @ (points[:, :2] - centroid).T / reach[:, None]).max(axis=0))
-    np.testing.assert_allclose(polygon_gauge(vec(points), vec(ends)), expected, rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(
+        polygon_gauge(vec(points), vec(ends)), expected, rtol=1e-8, atol=1e-9
+    )
 
 
 def test_four_ends_with_one_on_an_edge_count_the_edge_once():
@@ -59,7 +63,7 @@ def test_four_ends_with_one_on_an_edge_count_the_edge_once():
 
 def test_factors_by_hand():
     """At the centroid under level ends with equal tensions of half the range."""
-    ends = vec([[0, 6, 7], [-27**0.5, -3, 7], [27**0.5, -3, 7]])
+    ends = vec([[0, 6, 7], [-(27**0.5), -3, 7], [27**0.5, -3, 7]])
     at = jnp.asarray(0.0)
     factors = stability_factors(
         Vec3(at, at, jnp.asarray(1.15)),

@@ -39,7 +39,7 @@ def test_forces_balance_to_1e_9(scenarios, position, acceleration):
     cables = ends - (np.array(position) + hook)
     units = cables / np.linalg.norm(cables, axis=1, keepdims=True)
     tensions = np.asarray(js.tensions(scenarios[0], position, acceleration))
-    force = 10 * (np.array(acceleration) + [0, 0, 9.81])
+    force = 10 * (np.array(acceleration) + np.array([0, 0, 9.81]))
     np.testing.assert_allclose(tensions @ units, force, atol=1e-9)
 
 
@@ -54,7 +54,7 @@ def test_structure_matrix_is_the_gradient_of_the_cable_lengths():
     """Virtual work: -dl_k/dH = u_k, and -dl_k/dθ = (R B'_k) × u_k."""
     rng = np.random.default_rng(0)
     position, attachments = rng.normal(size=3), rng.normal(scale=0.2, size=(4, 3))
-    ends = rng.normal(size=(4, 3)) + [0, 0, 6]
+    ends = rng.normal(size=(4, 3)) + np.array([0, 0, 6])
     posture = np.asarray(rotation(jnp.asarray([0.1, -0.2, 0.3])))
 
     def lengths(shift, turn):
@@ -86,11 +86,13 @@ def test_a_hook_leaves_a_moment_only_under_horizontal_acceleration():
 
 
 def test_tensions_are_batched_and_follow_the_dtype(scenarios):
-    positions = np.random.default_rng(0).uniform(-1, 1, (4, 5, 3)) + [0, 0, 2]
+    positions = np.random.default_rng(0).uniform(-1, 1, (4, 5, 3)) + np.array([0, 0, 2])
     batched = js.tensions(scenarios[0], positions)
     assert batched.shape == (4, 5, 3)
     assert batched.dtype == np.float64
-    np.testing.assert_allclose(batched[2, 3], js.tensions(scenarios[0], positions[2, 3]), rtol=1e-12)
+    np.testing.assert_allclose(
+        batched[2, 3], js.tensions(scenarios[0], positions[2, 3]), rtol=1e-12
+    )
     single = js.tensions(scenarios[0], jnp.asarray(positions, jnp.float32))
     assert single.dtype == jnp.float32
     np.testing.assert_allclose(single, batched, rtol=1e-4, atol=1e-4)

@@ -3,8 +3,8 @@
 Compared are the medians of log10 of the final fitness over independent runs. Two implementations
 count as equivalent if the 90 % confidence interval of the difference of medians lies within half
 the interquartile range of the reference, on either side: two one-sided tests at 5 %. Within
-that bound the median of one lies in the middle half of the other's runs, so nobody who starts a
-run could tell which of the two he has. Too few runs widen the interval and fail.
+that bound the median of one lies among the middle half of the other's runs, so that a single run
+hardly tells which of the two made it. Too few runs widen the interval and fail.
 """
 
 import functools

@@ -1,0 +1,39 @@
+"""What the README shows works as it stands there, but for fewer runs and iterations."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import jaxsusp as js
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+@pytest.mark.parametrize("i", range(len(blocks("python"))))
+def test_examples_run(i, capsys):
+    code = blocks("python")[i].replace("runs=20", "runs=2, iterations=3")
+    exec(compile(code.replace('["pso", js', '["ga", js'), f"README block {i}", "exec"), {})
+    if "print" in code:
+        assert "fitness" in capsys.readouterr().out
+
+
+def test_the_scenario_loads():
+    (text,) = blocks("toml")
+    scenario = js.Scenario.from_toml(text, "yard.toml")
+    assert scenario.name == "yard"
+    assert scenario.obstacles[0].yaw_deg == 20
+
+
+def test_commands_and_files_exist():
+    targets = set(re.findall(r"make (\w+)", README))
+    makefile = (Path(__file__).parents[1] / "Makefile").read_text()
+    assert targets
+    assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in targets)
+    for path in re.findall(r"`((?:jaxsusp|tests)/[\w/.-]+)`", README):
+        assert (Path(__file__).parents[1] / path).exists(), path
+    assert not re.search(r"@[A-Z]+@", README)
