@@ -9,7 +9,7 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.sharding import Mesh, PartitionSpec
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from rich.console import Console
 from rich.table import Table
 
@@ -42,6 +42,8 @@ def fitness_per_candidate(problem: Problem, candidates: int = RUNS * POPULATION)
     )
     unit = jax.random.uniform(jax.random.key(0), (candidates, problem.dim), jnp.float32)
     x = problem.low + (problem.high - problem.low) * unit
+    problem = jax.device_put(problem, NamedSharding(mesh, everywhere))  # once, not in every call
+    x = jax.device_put(x, NamedSharding(mesh, rows))
     return least_seconds(lambda: evaluate(problem, x), inner=50) / candidates
 
 

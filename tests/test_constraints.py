@@ -1,11 +1,16 @@
 """Violation counts against counts made by hand."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import jaxsusp as js
+from jaxsusp.constraints import count_violations
 from jaxsusp.fitness import tensions_at, waypoint_stability
+from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
+from jaxsusp.vec3 import Vec3
+from jaxsusp.world import cast_world
 
 
 def variant(scenario: js.Scenario, **limits) -> js.Scenario:
@@ -73,15 +78,10 @@ def test_a_stack_with_a_stability_limit_changes_nothing_for_those_without(scenar
 def test_a_singular_configuration_counts_as_a_violation(scenarios):
     """A load at the height of the ends: the cables are coplanar and no tension is finite."""
     problem = js.Problem.from_scenario(scenarios[0])
-    world = problem.fitness.world
-    from jaxsusp.vec3 import Vec3
-
+    world = cast_world(problem.fitness.world, np.float64)
     at_ends = Vec3(jnp.asarray([0.3]), jnp.asarray([0.2]), jnp.asarray([7.0 - 0.15]))
     _, tensions = tensions_at(world, at_ends)
     assert not np.isfinite(np.array(tensions)).any()
-    from jaxsusp.constraints import count_violations
-    from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
-
     lengths = cable_lengths(cable_vectors(at_ends, world.bodies.attachments, world.bodies.ends))
     assert int(count_violations(world, at_ends, lengths, tensions, False)) == 3 + 1  # and too high
 
@@ -91,8 +91,8 @@ def test_what_single_precision_finds_admissible_is_so_in_double(scenarios):
     rng = np.random.default_rng(0)
     problem = js.Problem.from_scenario(scenarios[0], waypoints=1, samples=3)
     x = rng.uniform([-3.5, -3.5, 0.2], [3.5, 3.5, 5.5], (20000, 3))
-    single = problem.fitness.terms(jnp.asarray(x.T, jnp.float32))
-    double = problem.fitness.terms(jnp.asarray(np.float32(x.T), jnp.float64))
+    terms = jax.jit(problem.fitness.terms)
+    single, double = (terms(jnp.asarray(np.float32(x.T), d)) for d in (jnp.float32, jnp.float64))
     for name in ("violations", "collisions"):
         clean = np.asarray(getattr(single, name)) == 0
         assert clean.any()

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jaxsusp as js
-from jaxsusp.fitness import curvature
+from jaxsusp.fitness import curvature, trajectory
 from jaxsusp.vec3 import Vec3
 
 # Waypoints evenly on the start-goal line: (length, cable, tension rate) of odd and even scenarios,
@@ -24,7 +24,7 @@ def straight(scenario: js.Scenario, waypoints: int = 5) -> np.ndarray:
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("i", range(6))
 def test_straight_lines_give_the_specified_figures(scenarios, problems, i, dtype):
-    terms = problems[i].terms(straight(scenarios[i]).astype(dtype))
+    terms = jax.jit(problems[i].fitness.terms)(straight(scenarios[i]).astype(dtype))
     length, cable, rate = STRAIGHT[i % 2]
     assert terms.total.dtype == dtype
     assert float(terms.length) == pytest.approx(length, abs=5e-4)
@@ -54,21 +54,21 @@ def test_total_is_the_weighted_sum(scenarios):
 
 def test_batch_and_single_agree(problems):
     rng = np.random.default_rng(0)
-    for problem in problems[::3]:
-        x = jnp.asarray(rng.uniform(problem.lower, problem.upper, (17, problem.dim)))
-        single = jnp.stack([problem.fitness(row) for row in x])
-        np.testing.assert_allclose(problem.evaluate(x), single, rtol=1e-12)
-        np.testing.assert_allclose(jax.vmap(problem.fitness)(x), single, rtol=1e-12)
-        np.testing.assert_allclose(jax.jit(problem.evaluate)(x), single, rtol=1e-12)
+    problem = problems[5]
+    x = jnp.asarray(rng.uniform(problem.lower, problem.upper, (17, problem.dim)))
+    one = jax.jit(problem.fitness)
+    single = jnp.stack([one(row) for row in x])
+    np.testing.assert_allclose(problem.evaluate(x), single, rtol=1e-12)
+    np.testing.assert_allclose(jax.jit(jax.vmap(problem.fitness))(x), single, rtol=1e-12)
 
 
 def test_gradient_matches_finite_differences(scenarios, problems):
     """Away from collisions the penalty is constant and the total differentiable."""
     rng = np.random.default_rng(1)
     checked = 0
-    for scenario, problem in zip(scenarios, problems, strict=True):
+    for scenario, problem in zip(scenarios[::5], problems[::5], strict=True):
         value, gradient = jax.jit(problem.fitness), jax.jit(jax.grad(problem.fitness))
-        for _ in range(3):
+        for _ in range(8):
             x = straight(scenario) + rng.normal(scale=0.3, size=problem.dim)
             h = 1e-6
             steps = h * np.eye(problem.dim)
@@ -86,14 +86,14 @@ def test_gradient_matches_finite_differences(scenarios, problems):
 def test_gradient_is_finite_where_the_load_rests(scenarios, problems):
     """All waypoints at the start: zero-length segments must not give NaN."""
     x = jnp.tile(jnp.asarray(scenarios[0].task.start), 5)
-    assert np.isfinite(jax.grad(problems[0].fitness)(x)).all()
+    assert np.isfinite(jax.jit(jax.grad(problems[0].fitness))(x)).all()
     assert np.isfinite(problems[0].fitness(x))
 
 
 @given(
     radius=st.floats(0.1, 100),
     angle=st.floats(1e-3, 1.0),
-    n=st.integers(3, 60),
+    n=st.sampled_from([3, 4, 11, 60]),
     turn=st.floats(0, 6.3),
 )
 @settings(deadline=None, max_examples=50)
@@ -124,8 +124,6 @@ def test_tension_rate_by_the_definition(scenarios, problems):
     """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt| with tensions and lengths found independently."""
     scenario, problem = scenarios[1], problems[1]
     x = straight(scenario) + np.random.default_rng(3).normal(scale=0.2, size=15)
-    from jaxsusp.fitness import trajectory
-
     p = np.asarray(trajectory(problem.fitness.world, jnp.asarray(x), 40).to_array())
     ends = np.array([robot.end for robot in scenario.robots])
     cables = ends[None] - (p + np.array([0, 0, scenario.payload.height / 2]))[:, None]

@@ -103,7 +103,7 @@ def good(problems) -> dict[int, np.ndarray]:
 
 
 def clear_when_refined(problem: js.Problem, x: np.ndarray, parts: int = 20) -> np.ndarray:
-    """The same bodies on the same polylines cut finely: the limit of vanishing half-step margins."""
+    """The same bodies on polylines cut finely: the limit of vanishing half-step margins."""
     world = problem.fitness.world
     path = np.moveaxis(np.array([polyline(problem, row) for row in x]), (2, 1), (0, 1))
     t = np.arange(parts)[:, None] / parts
