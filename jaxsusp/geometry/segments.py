@@ -37,10 +37,12 @@ def segment_meets_cylinder(a: Vec3, b: Vec3, radius, half_height) -> Bool[Array,
     of the axis.
     """
     along = b - a
-    per_z = 1 / jnp.where(along.z == 0, _TINY, along.z)
+    level = along.z == 0
+    per_z = 1 / jnp.where(level, _TINY, along.z)
     bottom, top = (-half_height - a.z) * per_z, (half_height - a.z) * per_z
     enter = jnp.maximum(jnp.minimum(bottom, top), 0)
-    leave = jnp.minimum(jnp.maximum(bottom, top), 1)
+    inside = jnp.logical_and(level, jnp.abs(a.z) <= half_height)  # all of it, caps included
+    leave = jnp.where(inside, 1, jnp.minimum(jnp.maximum(bottom, top), 1))
     plane = along.x**2 + along.y**2
     nearest = -(a.x * along.x + a.y * along.y) / jnp.where(plane == 0, _TINY, plane)
     t = jnp.minimum(jnp.maximum(nearest, enter), leave)

@@ -64,6 +64,14 @@ def test_touching_counts(kind):
     assert not meets(kind, (1 + 1e-12) * a, 3 * a).any()
 
 
+@pytest.mark.parametrize("cap", [HEIGHT, -HEIGHT])
+def test_a_level_segment_in_the_plane_of_a_cap_touches(cap):
+    a, b = np.array([[-2, 0.25, cap]]), np.array([[2, 0.25, cap]])
+    assert meets("cylinder", a, b).all()
+    assert not meets("cylinder", a + [0, 1, 0], b + [0, 1, 0]).any()
+    assert not meets("cylinder", a * [1, 1, 1.001], b * [1, 1, 1.001]).any()
+
+
 def test_zero_length_segments_are_points():
     points = np.random.default_rng(0).normal(scale=0.8, size=(500, 3))
     for kind, depth in INSIDE.items():
