@@ -68,8 +68,8 @@ def test_touching_counts(kind):
 def test_a_level_segment_in_the_plane_of_a_cap_touches(cap):
     a, b = np.array([[-2, 0.25, cap]]), np.array([[2, 0.25, cap]])
     assert meets("cylinder", a, b).all()
-    assert not meets("cylinder", a + [0, 1, 0], b + [0, 1, 0]).any()
-    assert not meets("cylinder", a * [1, 1, 1.001], b * [1, 1, 1.001]).any()
+    assert not meets("cylinder", a + np.array([0, 1, 0]), b + np.array([0, 1, 0])).any()
+    assert not meets("cylinder", a * np.array([1, 1, 1.001]), b * np.array([1, 1, 1.001])).any()
 
 
 def test_zero_length_segments_are_points():
