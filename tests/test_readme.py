@@ -30,7 +30,7 @@ def test_the_scenario_loads():
 
 
 def test_commands_and_files_exist():
-    targets = set(re.findall(r"make (\w+)", README))
+    targets = set(re.findall(r"(?:`|^)make (\w+)", README, re.MULTILINE))
     makefile = (Path(__file__).parents[1] / "Makefile").read_text()
     assert targets
     assert all(re.search(rf"^{target}:", makefile, re.MULTILINE) for target in targets)
