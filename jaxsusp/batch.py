@@ -87,23 +87,18 @@ def _programs(devices: tuple, population: int, iterations: int):
     per_run, everywhere = PartitionSpec("runs"), PartitionSpec()
     stacked = PartitionSpec(None, "runs")
 
-    def over_scenarios_and_runs(function, mapped: tuple[int | None, ...]):
-        over_runs = jax.vmap(function, in_axes=(None, None, 0, *mapped))
-        return jax.vmap(over_runs, in_axes=(0, None, None, *mapped))
-
     def start(problems: Problem, optimizer: Optimizer, keys: Array) -> Progress:
-        one = lambda problem, optimizer, key: begin(  # noqa: E731
-            optimizer, problem, key, population, iterations
-        )
-        return over_scenarios_and_runs(one, ())(problems, optimizer, keys)
+        def one(problem, key):
+            return begin(optimizer, problem, key, population, iterations)
+
+        return jax.vmap(jax.vmap(one, in_axes=(None, 0)), in_axes=(0, None))(problems, keys)
 
     def go(problems, optimizer, keys, progress, first, stop) -> Progress:
-        one = lambda problem, optimizer, key, progress, first, stop: advance(  # noqa: E731
-            optimizer, problem, key, progress, first, stop
-        )
-        return over_scenarios_and_runs(one, (0, None, None))(
-            problems, optimizer, keys, progress, first, stop
-        )
+        def one(problem, key, progress):
+            return advance(optimizer, problem, key, progress, first, stop)
+
+        over_runs = jax.vmap(one, in_axes=(None, 0, 0))
+        return jax.vmap(over_runs, in_axes=(0, None, 0))(problems, keys, progress)
 
     shard = functools.partial(jax.shard_map, mesh=mesh, out_specs=stacked, check_vma=False)
     arguments = (everywhere, everywhere, per_run)
@@ -114,13 +109,9 @@ def _programs(devices: tuple, population: int, iterations: int):
 
 
 def _collect(progress: Progress, runs: int, iterations: int, compile_time, run_time) -> Outcome:
-    state, history, info = jax.tree.map(np.asarray, progress._replace(state=progress.state.best))
-    keep = lambda leaf: leaf[:, :runs]  # noqa: E731  drop the runs that only filled the devices
-    return Outcome(
-        keep(state.x),
-        keep(state.fitness),
-        keep(history),
-        jax.tree.map(lambda leaf: keep(leaf) / iterations, info),
-        compile_time,
-        run_time,
-    )
+    def on_host(leaf: Array) -> np.ndarray:
+        return np.asarray(leaf)[:, :runs]  # without the runs that only fill the devices
+
+    best, history, info = jax.tree.map(on_host, progress._replace(state=progress.state.best))
+    means = jax.tree.map(lambda total: total / iterations, info)
+    return Outcome(best.x, best.fitness, history, means, compile_time, run_time)
