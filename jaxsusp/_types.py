@@ -9,9 +9,9 @@ and the candidates come last, so that XLA's inner loop runs over candidates.
 
 import jax
 import numpy as np
-from jaxtyping import Bool, Float, Int, Key, PyTree
+from jaxtyping import Bool, Float, Int, Key
 
 Array = jax.Array | np.ndarray
 """Host arrays are welcome wherever device arrays are."""
 
-__all__ = ["Array", "Bool", "Float", "Int", "Key", "PyTree"]
+__all__ = ["Array", "Bool", "Float", "Int", "Key"]

@@ -13,7 +13,7 @@ from pathlib import Path
 import jax
 
 WIDE = "--xla_cpu_prefer_vector_width=512"
-"""XLA uses half of a 512-bit unit by default; the fitness is about 1.4 times faster with all."""
+"""XLA uses half of a 512-bit unit by default; `make bench` times the fitness with all of it."""
 
 
 def cores() -> int:

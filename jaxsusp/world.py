@@ -92,11 +92,6 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
     )
 
 
-def stack_worlds(worlds: Sequence[World]) -> World:
-    """Stack worlds of equal static shape along a new leading axis of every leaf."""
-    return jax.tree.map(lambda *leaves: np.stack(leaves), *worlds)
-
-
 def cast_world(world: World, dtype) -> World:
     """The same world with every floating leaf in `dtype`."""
 
