@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 import jaxsusp as js
-from jaxsusp import cli, comparison, results
+from jaxsusp import cli, comparison, launch, results
 from jaxsusp.comparison import Event
 from jaxsusp.progress import Pace
 from jaxsusp.report import folder, scene3d
@@ -33,7 +33,7 @@ ENVIRONMENT = {
 @pytest.fixture
 def run(monkeypatch, capsys):
     """Run a command in this process: (status, stdout, stderr)."""
-    monkeypatch.setattr(cli, "configure", lambda **_: None)  # JAX has started already
+    monkeypatch.setattr(launch, "configure", lambda **_: None)  # JAX has started already
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
@@ -254,7 +254,7 @@ def test_an_interrupt_in_a_callback_that_swallows_it_is_not_lost(run, tmp_path, 
         progress(Event("ga", "running", 1, 2))
         pytest.fail("the interrupt was lost")
 
-    monkeypatch.setattr(cli, "run_comparison", long_comparison)
+    monkeypatch.setattr(cli.compare, "run_comparison", long_comparison)
     before = signal.getsignal(signal.SIGINT)
     code, out, err = run("compare", "--output", tmp_path)
     assert (code, out) == (130, "")
