@@ -12,6 +12,8 @@ Importing the package sets nothing global.
 from jaxsusp.comparison import compare
 from jaxsusp.errors import InputError
 from jaxsusp.fitness import FitnessTerms
+from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.space import FreeSpace, load_free_space
 from jaxsusp.minimize import Result, minimize
 from jaxsusp.optim.base import Best, NoInfo, Optimizer
 from jaxsusp.optim.dbo import dbo
@@ -33,6 +35,10 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "scenarios",
     "InputError",
     "ScenarioError",
+    # where the load and all cables are clear
+    "free_space",
+    "FreeSpace",
+    "load_free_space",
     # mechanics and fitness
     "tensions",
     "FitnessTerms",
