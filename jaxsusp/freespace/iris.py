@@ -60,8 +60,9 @@ class Bodies:
         """Which points lie in any body."""
         inside = np.zeros(points.shape[:-1], bool)
         for body in self.bodies:
-            rest = ~inside
-            inside[rest] = body.faces.excess(points[rest]) <= 0
+            lower, upper = body.corners.min(axis=0), body.corners.max(axis=0)
+            near = ~inside & (points >= lower).all(axis=-1) & (points <= upper).all(axis=-1)
+            inside[near] = body.faces.excess(points[near]) <= 0
         return inside
 
 

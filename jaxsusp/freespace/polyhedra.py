@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 Point = Float[np.ndarray, "3"]
-Points = Float[np.ndarray, "points 3"]
+Points = Float[np.ndarray, "_ 3"]
 
 
 class HalfSpaces(NamedTuple):

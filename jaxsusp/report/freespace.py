@@ -62,8 +62,8 @@ def slices(scenario: Scenario, space: FreeSpace) -> Figure:
     legend(
         figure,
         [
-            Patch(fc=STONE, ec=INK, lw=0.8, label="obstacle"),  # type: ignore[list-item]
-            Patch(fc=SHADOW, alpha=0.55, label="load or cable in contact"),  # type: ignore[list-item]
+            Patch(fc=STONE, ec=INK, lw=0.8, label="obstacle"),
+            Patch(fc=SHADOW, alpha=0.55, label="load or cable in contact"),
             Line2D([], [], color=FREE, lw=0.8, label="polytopes"),
             Line2D([], [], color=FREE, lw=0.8, ls=":", label="ellipsoids"),
             Line2D([], [], color=FREE, lw=2.2, label="on the route"),
@@ -91,7 +91,7 @@ def view(scenario: Scenario, space: FreeSpace) -> Figure:
         for n, index in enumerate(space.route)
     ]
     line = [Line2D([], [], color=ROUTE, lw=2.4, label="shortest polyline")] if curves else []
-    legend(figure, [*cable_samples(), *line, *regions])  # type: ignore[list-item]
+    legend(figure, [*cable_samples(), *line, *regions])
     return figure
 
 

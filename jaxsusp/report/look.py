@@ -7,15 +7,15 @@ work without a display, in threads and in notebooks.
 import io
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from jaxsusp._files import atomic_path
@@ -122,7 +122,7 @@ def heading(figure: Figure, title: str) -> None:
     figure.suptitle(title, x=0.008, ha="left", fontsize=12, fontweight="bold", color=INK)
 
 
-def legend(figure: Figure, handles: list[Line2D]) -> None:
+def legend(figure: Figure, handles: Sequence[Artist]) -> None:
     """One row below the panels, where it hides nothing."""
     figure.legend(
         handles=handles,

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxsusp._types import Array
 from jaxsusp.constraints import count_violations
 from jaxsusp.errors import InputError, require_count, require_seed
 from jaxsusp.fitness import tensions_at
@@ -22,7 +23,7 @@ from jaxsusp.scenario import (
     load_scenario,
 )
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world
+from jaxsusp.world import World, build_world
 
 MOST = 1000
 """Greatest number of obstacles."""
@@ -40,8 +41,6 @@ ATTEMPTS = 60
 """Scenes that are drawn before giving up."""
 
 _CLOUD = 4000  # positions at which the share that is taken is measured
-
-_count_collisions = jax.jit(count_collisions)
 
 
 def random_scenario(seed: int, obstacles: int = 10) -> Scenario:
@@ -80,8 +79,9 @@ def blocked(scenario: Scenario) -> bool:
 def solvable(scenario: Scenario) -> bool:
     """Whether a route exists and a trajectory along it is without collision and violation.
 
-    The trajectory goes from centre to centre of the regions' crossings, in samples so fine that
-    the collision count, which is sound between them, is hardly more cautious than need be.
+    The trajectory goes along the route somewhere between the shortest polyline, which grazes
+    corners, and the one by the centres of the crossings, which may hang too high for the tensions;
+    in samples so fine that the collision count is hardly more cautious than need be.
     """
     try:
         space = free_space(scenario, coverage=0.1, cache=False)
@@ -89,20 +89,28 @@ def solvable(scenario: Scenario) -> bool:
         return False
     if not space.connected:
         return False
-    return _faults(scenario, space.centerline) == (0, 0)
+    short, roomy = space.polyline, space.centerline
+    ways = (short + share * (roomy - short) for share in (0.1, 0.3, 0.6, 1.0))
+    return any(_faults(scenario, way) == (0, 0) for way in ways)
 
 
 def _faults(scenario: Scenario, polyline: Points) -> tuple[int, int]:
     """(n_p, n_g) of a finely sampled polyline, in float64."""
-    path = _sampled(polyline)
     padded = len(scenario.obstacles)  # of every kind: one compiled program for all such scenes
     with jax.enable_x64(True):
         world = build_world(scenario, (padded, padded, padded))
-        position = Vec3(*(jnp.asarray(c) for c in path.T))
-        collisions = _count_collisions(position, world.bodies, world.obstacles)
-        lengths, tensions = tensions_at(world, position)
-        violations = count_violations(world, position, lengths, tensions, with_stability=False)
+        position = Vec3(*(jnp.asarray(c) for c in _sampled(polyline).T))
+        collisions, violations = _count_faults(world, position)
         return int(collisions), int(violations)
+
+
+@jax.jit
+def _count_faults(world: World, position: Vec3) -> tuple[Array, Array]:
+    lengths, tensions = tensions_at(world, position)
+    return (
+        count_collisions(position, world.bodies, world.obstacles),
+        count_violations(world, position, lengths, tensions, with_stability=False),
+    )
 
 
 def _sampled(polyline: Points) -> Points:
@@ -145,25 +153,25 @@ def _ends_of_task(random: np.random.Generator) -> tuple[Point, Point]:
 def _place_obstacles(
     random: np.random.Generator, frame: Scenario, count: int
 ) -> list[Obstacle] | None:
-    """Obstacles one by one: too big a one is drawn again, smaller."""
+    """Obstacles one by one: too big a one is drawn again, smaller, and so are those after it."""
     domain = domain_of(frame)
     cloud = random.uniform(frame.workspace.lower, frame.workspace.upper, (_CLOUD, 3))
     cloud = cloud[domain.excess(cloud) < 0]
     ends = np.array([frame.task.start, frame.task.goal])
     taken, placed = np.zeros(len(cloud), bool), []
+    scale = min(1.0, 2.2 / count ** (1 / 3))
     for number in range(count):
-        scale = min(1.0, 2.2 / count ** (1 / 3))
         for _ in range(30):
-            place = _between(random, ends) if number == 0 else _anywhere(random, frame)
+            place = _between(random, ends) if number == 0 else _anywhere(random, frame, scale)
             obstacle = _obstacle(random, f"{number + 1}", place, scale)
             scale *= 0.85
             bodies = _bodies(frame, obstacle)
             if bodies is None or _near(bodies, ends):
                 continue
             now = taken | bodies.holding(cloud)
-            if now.mean() <= FILLED * (number + 1) / count or number == 0:
+            if now.mean() <= FILLED * (number + 4) / count or number == 0:
                 placed.append(obstacle)
-                taken = now
+                taken, scale = now, min(1.0, scale / 0.85 * 1.05)
                 break
         else:
             return None
@@ -187,14 +195,16 @@ def _between(random: np.random.Generator, ends: Points) -> Point:
     return ends[0] + random.uniform(0.35, 0.65) * (ends[1] - ends[0])
 
 
-def _anywhere(random: np.random.Generator, frame: Scenario) -> Point:
-    return random.uniform(frame.workspace.lower, frame.workspace.upper)
+def _anywhere(random: np.random.Generator, frame: Scenario, scale: float) -> Point:
+    """A place in the workspace, the lower the smaller things are: low ones cast short shadows."""
+    lower, upper = np.array(frame.workspace.lower), np.array(frame.workspace.upper)
+    return lower + random.uniform(size=3) * [1, 1, scale] * (upper - lower)
 
 
 def _obstacle(random: np.random.Generator, number: str, place: Point, scale: float) -> Obstacle:
     """A box, pillar or ball that reaches up to a place; most stand on the ground, some hang."""
-    width, depth, height = scale * random.uniform([0.4, 0.4, 0.6], [1.4, 1.2, 4.0])
-    top = place[2] + random.uniform(0.0, 0.4)
+    width, depth, height = scale * random.uniform([0.4, 0.4, 0.6], [1.4, 1.2, 4.0]) + 0.02
+    top = place[2] + scale * random.uniform(0.0, 0.4)
     if random.random() < 0.7:
         height = top  # from the ground
     center = _rounded([place[0], place[1], top - height / 2])

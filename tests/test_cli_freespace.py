@@ -1,0 +1,80 @@
+"""`jaxsusp freespace` as a person or a script meets it."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import jaxsusp as js
+from jaxsusp import cli
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run a command in this process: (status, stdout, stderr)."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        captured = capsys.readouterr()
+        return ended.value.code or 0, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture
+def walled(tmp_path):
+    """A scenario whose start and goal no route connects."""
+    path = tmp_path / "walled.toml"
+    text = js.load_scenario("scenario-1").model_dump()
+    text |= {"name": "walled", "obstacles": []}
+    text["workspace"]["upper"] = (3.5, 3.5, 2.7)
+    text["task"]["goal"] = (0.0, -2.5, 1.0)
+    wall = {"kind": "box", "center": (0.0, 0.0, 1.3), "size": (8.0, 0.2, 2.6)}
+    path.write_text(js.Scenario.model_validate(text | {"obstacles": [wall]}).to_toml())
+    return path
+
+
+def test_regions_route_and_files(run, tmp_path):
+    status, out, err = run("freespace", "scenario-1", "--coverage", "0.4", "--output", tmp_path)
+    assert status == 0
+    assert "No polyline through this sequence of regions is shorter than" in out
+    assert f"4 files are in {tmp_path}" in err
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"free-space.nc", "regions.csv", "slices.png", "space.png"}
+    assert js.load_free_space(tmp_path / "free-space.nc").connected
+
+
+def test_json(run, tmp_path):
+    status, out, _ = run(
+        "freespace", "scenario-1", "--coverage", "0.4", "--output", tmp_path, "--json"
+    )
+    answer = json.loads(out)
+    assert status == 0
+    assert answer["connected"]
+    np.testing.assert_allclose(answer["polyline"][0], [0, 2, 1])
+    assert answer["bound"] <= answer["length"] * (1 + 1e-6)
+    assert answer["regions"][0].keys() == {"region", "polytope", "ellipsoid", "faces", "neighbours"}
+
+
+def test_no_route_is_status_one(run, walled, tmp_path):
+    status, out, _ = run("freespace", walled, "--limit", "8", "--output", tmp_path / "out")
+    assert status == 1
+    assert "no collision-free route found" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["scenario-9"], "scenario-9: is neither a file nor a built-in scenario"),
+        (["scenario-1", "--coverage", "2"], "coverage = 2.0: give a share between 0 and 1"),
+        (["scenario-1", "--solver", "gurobbi"], "solver = 'gurobbi' is not known"),
+    ],
+)
+def test_bad_input_is_status_two(run, tmp_path, arguments, message):
+    status, out, err = run("freespace", *arguments, "--output", tmp_path / "out")
+    assert (status, out) == (2, "")
+    assert message in err
+    assert not (tmp_path / "out").exists()

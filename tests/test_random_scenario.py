@@ -1,0 +1,60 @@
+"""Fresh scenes: blocked, solvable, the same for the same seed, and admissible files."""
+
+import numpy as np
+import pytest
+
+import jaxsusp as js
+from jaxsusp.studies.random_scenario import blocked, solvable
+
+
+@pytest.fixture(scope="module", params=[(0, 3), (2, 10)], ids=str)
+def scene(request) -> js.Scenario:
+    return js.random_scenario(*request.param)
+
+
+def test_it_is_blocked_and_solvable(scene):
+    assert blocked(scene)
+    assert solvable(scene)
+    problem = js.Problem.from_scenario(scene, search="box")
+    line = np.linspace(scene.task.start, scene.task.goal, 7)[1:-1].reshape(-1)
+    assert int(problem.terms(line).collisions) > 0
+
+
+def test_it_is_a_file_like_any_other(scene, tmp_path):
+    path = tmp_path / f"{scene.name}.toml"
+    path.write_text(scene.to_toml())
+    assert js.load_scenario(path) == scene
+    assert {obstacle.kind for obstacle in scene.obstacles} <= {"box", "cylinder", "sphere"}
+
+
+def test_a_seed_gives_one_scene():
+    first, again, other = (js.random_scenario(seed, 3) for seed in (2, 2, 4))
+    assert first == again
+    assert first.obstacles != other.obstacles
+    assert len(other.obstacles) == 3
+
+
+def test_open_and_hopeless_scenes_are_told_apart(scenarios):
+    open_field = scenarios[0].model_copy(update={"obstacles": ()})
+    assert not blocked(open_field)
+    assert blocked(scenarios[4])
+    flat = scenarios[0].workspace.model_copy(update={"upper": (3.5, 3.5, 1.2)})
+    walled = scenarios[0].model_copy(update={"workspace": flat})
+    assert not solvable(
+        walled.model_copy(
+            update={"task": walled.task.model_copy(update={"goal": (0.0, -2.0, 1.0)})}
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((-1,), "seed = -1"),
+        ((0, 0), "obstacles = 0: give a whole number from 1 to 1000"),
+        ((0, 1001), "obstacles = 1001"),
+    ],
+)
+def test_bad_numbers_are_refused(arguments, message):
+    with pytest.raises(js.InputError, match=message):
+        js.random_scenario(*arguments)
