@@ -12,6 +12,7 @@ Importing the package sets nothing global.
 from jaxsusp.comparison import compare
 from jaxsusp.errors import InputError
 from jaxsusp.fitness import FitnessTerms
+from jaxsusp.hanging import Hanging, equilibrium
 from jaxsusp.minimize import Result, minimize
 from jaxsusp.optim.base import Best, NoInfo, Optimizer
 from jaxsusp.optim.dbo import dbo
@@ -23,7 +24,7 @@ from jaxsusp.problem import Problem
 from jaxsusp.results import append as append_results
 from jaxsusp.results import load as load_results
 from jaxsusp.results import save as save_results
-from jaxsusp.scenario import Scenario, ScenarioError, load_scenario, scenarios
+from jaxsusp.scenario import Scenario, ScenarioError, examples, load_scenario, scenarios
 from jaxsusp.tensions import tensions
 
 __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
@@ -31,10 +32,13 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "Scenario",
     "load_scenario",
     "scenarios",
+    "examples",
     "InputError",
     "ScenarioError",
     # mechanics and fitness
     "tensions",
+    "equilibrium",
+    "Hanging",
     "FitnessTerms",
     "Problem",
     # optimisers

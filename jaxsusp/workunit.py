@@ -47,7 +47,8 @@ def stack_scenarios(
     """Group scenarios by static shape, pad the obstacles of a group to common counts, and stack."""
     groups: dict[tuple, list[Scenario]] = {}
     for scenario in scenarios:
-        shape = (len(scenario.robots), scenario.payload.attachments == "hook")
+        hook = scenario.payload.attachments == "hook"
+        shape = (len(scenario.robots), hook, scenario.drive)
         groups.setdefault(shape, []).append(scenario)
 
     def stack(members: list[Scenario]) -> Group:

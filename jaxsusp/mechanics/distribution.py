@@ -11,6 +11,10 @@ dual has three unknowns λ whatever K: T_k = clip(T_mid + u_k·λ), a convex pie
 problem that Newton's method with an exact line search solves in a few steps.
 """
 
+import functools
+import operator
+from collections.abc import Iterable, Sequence
+
 import jax
 import jax.numpy as jnp
 
@@ -39,7 +43,7 @@ def distribute(units: list[Vec3], force: Vec3, low: Array, high: Array) -> list[
         T_k (N), each of the shape of the units. NaN where all cables are coplanar.
     """
     middle, half = (low + high) / 2, (high - low) / 2
-    wanted = force - middle * _sum(units)
+    wanted = force - _total(units) * middle
     wanted = wanted * (1 / half)  # in units of half the range, T_mid at 0 and the limits at ±1
     floor = _FLOOR[wanted.x.dtype]
     everything = [jnp.ones_like(unit.x) for unit in units]
@@ -71,7 +75,7 @@ def _line_search(pull: list[Array], gain: list[Array], work: Array) -> Array:
     """
 
     def slope_at(s: Array) -> Array:
-        return work - sum(g * jnp.clip(p + s * g, -1, 1) for p, g in zip(pull, gain, strict=True))
+        return work - _sum(g * jnp.clip(p + s * g, -1, 1) for p, g in zip(pull, gain, strict=True))
 
     left, right = jnp.zeros_like(work), jnp.full_like(work, jnp.inf)
     for p, g in zip(pull, gain, strict=True):
@@ -88,14 +92,14 @@ def _line_search(pull: list[Array], gain: list[Array], work: Array) -> Array:
 
 
 def _supplied(units: list[Vec3], pull: list[Array]) -> Vec3:
-    return _sum([unit * jnp.clip(p, -1, 1) for unit, p in zip(units, pull, strict=True)])
+    return _total([unit * jnp.clip(p, -1, 1) for unit, p in zip(units, pull, strict=True)])
 
 
-def _solve(units: list[Vec3], weights: list[Array], right: Vec3, floor: float) -> Vec3:
-    """x of (Σ w_k u_k u_kᵀ + floor I) x = right, by Cramer's rule on the symmetric 3×3 matrix."""
+def _solve(units: list[Vec3], weights: Sequence[Array], right: Vec3, floor: float) -> Vec3:
+    """X of (Σ w_k u_k u_kᵀ + floor I) x = right, by Cramer's rule on the symmetric 3×3 matrix."""
     rows = [unit * weight for unit, weight in zip(units, weights, strict=True)]
     xx, xy, xz, yy, yz, zz = (
-        sum(getattr(row, i) * getattr(unit, j) for row, unit in zip(rows, units, strict=True))
+        _sum(getattr(row, i) * getattr(unit, j) for row, unit in zip(rows, units, strict=True))
         for i, j in ("xx", "xy", "xz", "yy", "yz", "zz")
     )
     a = Vec3(xx + floor, xy, xz)
@@ -105,8 +109,9 @@ def _solve(units: list[Vec3], weights: list[Array], right: Vec3, floor: float) -
     return (bc * right.x + ca * right.y + ab * right.z) * (1 / dot(a, bc))
 
 
-def _sum(vectors: list[Vec3]) -> Vec3:
-    total = vectors[0]
-    for vector in vectors[1:]:
-        total = total + vector
-    return total
+def _total(vectors: list[Vec3]) -> Vec3:
+    return Vec3(*map(_sum, zip(*vectors, strict=True)))
+
+
+def _sum(terms: Iterable[Array]) -> Array:
+    return functools.reduce(operator.add, terms)

@@ -16,7 +16,6 @@ import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
 from jaxsusp.mechanics.load import Load, Pose, cables_at, imbalance, needed_wrench, relative
-from jaxsusp.mechanics.load import structure as structure_matrix
 
 CONVERGED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 """Result codes: balanced, best found but not balanced, no numbers at all."""

@@ -22,7 +22,7 @@ class Load(NamedTuple):
 
     @property
     def weight(self) -> Array:
-        """m ‖g‖, the natural unit of force (N)."""
+        """M ‖g‖, the natural unit of force (N)."""
         return self.mass * jnp.linalg.norm(self.gravity)
 
     @property
@@ -44,9 +44,7 @@ class Pose(NamedTuple):
         them, and differentiable at zero, which a square root of turn·turn is not.
         """
         wedge = skew(turn)
-        small = jnp.eye(3, dtype=turn.dtype) + (wedge + wedge @ wedge / 2) * (
-            4 / (4 + turn @ turn)
-        )
+        small = jnp.eye(3, dtype=turn.dtype) + (wedge + wedge @ wedge / 2) * (4 / (4 + turn @ turn))
         return Pose(self.position + shift, small @ self.posture)
 
 
@@ -80,9 +78,7 @@ def needed_wrench(pose: Pose, load: Load) -> Float[Array, "6"]:
     return jnp.concatenate([force, jnp.zeros_like(force)])
 
 
-def structure(
-    pose: Pose, load: Load, ends: Float[Array, "cables xyz"]
-) -> Float[Array, "6 cables"]:
+def structure(pose: Pose, load: Load, ends: Float[Array, "cables xyz"]) -> Float[Array, "6 cables"]:
     """Structure matrix J about the centre of mass, columns (u_k ; R(B'_k - c) × u_k) (Eq. 5)."""
     units, _ = cables_at(pose, load, ends)
     arms = (load.attachments - load.center_of_mass) @ pose.posture.T

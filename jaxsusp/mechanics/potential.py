@@ -62,7 +62,7 @@ def stiffness(
 
 def is_stable(eigenvalues: Float[Array, "*batch modes"]) -> Bool[Array, "*batch"]:
     """Whether all modes are stiff; true without any mode."""
-    return (eigenvalues > 0).all(axis=-1)
+    return jnp.all(eigenvalues > 0, axis=-1)
 
 
 def _yaw(pose: Pose, load: Load, length: Array) -> Float[Array, "6"]:
