@@ -83,7 +83,7 @@ def equilibrium(
     with jax.enable_x64(dtype == np.float64):
         where = jnp.asarray(position, dtype)
         pull = jnp.broadcast_to(jnp.asarray(acceleration, dtype), where.shape)
-        gravity = jnp.asarray([0.0, 0.0, -GRAVITY], dtype) - pull
+        gravity = (-pull).at[..., 2].add(-GRAVITY)
         world = cast_world(build_world(scenario), dtype)
         flat = where.reshape(-1, 3), gravity.reshape(-1, 3)
         find = _at_hook if hook else _turned

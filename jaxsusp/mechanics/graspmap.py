@@ -11,12 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float
-from jaxsusp.mechanics.load import Load, Pose, needed_wrench, skew
+from jaxsusp.mechanics.load import Load, Pose, arms_of, lower_ends, needed_wrench, skew
 
 
 def grasp_map(pose: Pose, load: Load) -> Float[Array, "6 forces"]:
     """G with G (f_1, …, f_K) = wrench about the centre of mass (dimensionless; m)."""
-    arms = (load.attachments - load.center_of_mass) @ pose.posture.T
+    arms = arms_of(pose, load)
     blocks = [jnp.concatenate([jnp.eye(3, dtype=arms.dtype), skew(arm)]) for arm in arms]
     return jnp.concatenate(blocks, axis=1)
 
@@ -59,5 +59,4 @@ def ends_of(
 ) -> tuple[Float[Array, "cables xyz"], Float[Array, "cables"]]:
     """Ends P_k = B_k + l_k f_k/‖f_k‖ (m) and tensions ‖f_k‖ (N)."""
     tensions = jnp.linalg.norm(forces, axis=-1)
-    lower = pose.position + load.attachments @ pose.posture.T
-    return lower + forces * (lengths / tensions)[:, None], tensions
+    return lower_ends(pose, load) + forces * (lengths / tensions)[:, None], tensions

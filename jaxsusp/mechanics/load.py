@@ -28,7 +28,7 @@ class Load(NamedTuple):
     @property
     def radius(self) -> Array:
         """Largest distance of an attachment from the centre of mass, the unit of length (m)."""
-        return jnp.linalg.norm(self.attachments - self.center_of_mass, axis=-1).max()
+        return jnp.linalg.norm(self.attachments - self.center_of_mass[None], axis=-1).max()
 
 
 class Pose(NamedTuple):
@@ -60,11 +60,21 @@ def skew(v: Float[Array, "xyz"]) -> Float[Array, "xyz 3"]:
     )
 
 
+def lower_ends(pose: Pose, load: Load) -> Float[Array, "cables xyz"]:
+    """Attachments B_k in the world (m)."""
+    return pose.position[None] + load.attachments @ pose.posture.T
+
+
+def arms_of(pose: Pose, load: Load) -> Float[Array, "cables xyz"]:
+    """Attachments from the centre of mass, in world directions (m)."""
+    return (load.attachments - load.center_of_mass[None]) @ pose.posture.T
+
+
 def cables_at(
     pose: Pose, load: Load, ends: Float[Array, "cables xyz"]
 ) -> tuple[Float[Array, "cables xyz"], Float[Array, "cables"]]:
     """Unit vectors u_k from attachment to end, and lengths l_k (m) (Eq. 2, 3)."""
-    vectors = ends - (pose.position + load.attachments @ pose.posture.T)
+    vectors = ends - lower_ends(pose, load)
     lengths = jnp.linalg.norm(vectors, axis=-1)
     return vectors / lengths[:, None], lengths
 
@@ -81,7 +91,7 @@ def needed_wrench(pose: Pose, load: Load) -> Float[Array, "6"]:
 def structure(pose: Pose, load: Load, ends: Float[Array, "cables xyz"]) -> Float[Array, "6 cables"]:
     """Structure matrix J about the centre of mass, columns (u_k ; R(B'_k - c) × u_k) (Eq. 5)."""
     units, _ = cables_at(pose, load, ends)
-    arms = (load.attachments - load.center_of_mass) @ pose.posture.T
+    arms = arms_of(pose, load)
     return jnp.concatenate([units, jnp.cross(arms, units)], axis=-1).T
 
 

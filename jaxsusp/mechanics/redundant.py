@@ -65,7 +65,7 @@ def hang_within(
         rest = residual(pose, tensions)
         slope = jax.jacfwd(lambda turn: residual(pose.moved(still, turn), tensions))(still)
         inside = (tensions > low) & (tensions < high)
-        free = _scaled_structure(pose, load, ends) * inside
+        free = jnp.where(inside[None], _scaled_structure(pose, load, ends), 0)
         beyond = jnp.eye(6, dtype=dtype) - free @ jnp.linalg.pinv(free, rtol=_RANK)
         turn = -jnp.linalg.pinv(beyond @ slope, rtol=_RANK) @ (beyond @ rest)
         length = jnp.linalg.norm(turn)
