@@ -12,6 +12,8 @@ Importing the package sets nothing global.
 from jaxsusp.comparison import compare
 from jaxsusp.errors import InputError
 from jaxsusp.fitness import FitnessTerms
+from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.space import FreeSpace, load_free_space
 from jaxsusp.hanging import Hanging, equilibrium
 from jaxsusp.minimize import Result, minimize
 from jaxsusp.optim.base import Best, NoInfo, Optimizer
@@ -35,6 +37,10 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "examples",
     "InputError",
     "ScenarioError",
+    # where the load and all cables are clear
+    "free_space",
+    "FreeSpace",
+    "load_free_space",
     # mechanics and fitness
     "tensions",
     "equilibrium",

@@ -24,6 +24,7 @@ from jaxsusp.optim.registry import PUBLISHED
 from jaxsusp.optim.registry import algorithms as algorithms_of
 from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.scenario import scenarios as built_in
+from jaxsusp.search import SEARCHES
 from jaxsusp.store import Store
 from jaxsusp.workunit import Unit, stack_scenarios
 
@@ -33,8 +34,8 @@ BUDGETS = ("iterations", "evaluations")
 class Event(NamedTuple):
     """What a progress callback is told."""
 
-    algorithm: str
-    phase: str  # "resumed", "compiling", "running" or "finished"
+    algorithm: str  # the name of a scenario while its free space is mapped
+    phase: str  # "free space", "resumed", "compiling", "running" or "finished"
     done: int  # fitness evaluations done …
     total: int  # … of the whole comparison
     compilations: int = 0  # still to be done, this one included
@@ -49,7 +50,7 @@ def compare(
     seed: int = 0,
     *,
     budget: str = "iterations",
-    search: str = "box",
+    search: str = SEARCHES[0],
     waypoints: int = 5,
     samples: int = 40,
     output: str | os.PathLike[str] | None = None,
@@ -67,7 +68,8 @@ def compare(
         seed: root of all randomness.
         budget: "iterations" gives every algorithm as many iterations (the paper); "evaluations"
             as many as fit into population × (iterations + 1) fitness evaluations.
-        search: rule that keeps waypoints inside, see `jaxsusp.problem.SEARCHES`.
+        search: what waypoints are kept in: "free-space", "ellipsoid" or "box", see
+            `jaxsusp.search`; the first two compute every scenario's free space once.
         waypoints: free waypoints m between start and goal; D = 3m.
         samples: trajectory samples n.
         output: folder for `compare.nc`; every finished unit is kept there at once, so that an
@@ -91,7 +93,12 @@ def compare(
     require(not resume or output is not None, "resume = True: give the output folder to resume")
     optimizers = _optimizers(algorithms)
     chosen = _distinct(scenarios)
-    groups = stack_scenarios(chosen, waypoints, samples, search)
+
+    def told(scenario: Scenario) -> None:
+        if search != "box":
+            progress(Event(scenario.name, "free space", 0, 1))
+
+    groups = stack_scenarios(chosen, waypoints, samples, search, told)
     units = [
         Unit.plan(group, optimizer, iterations, population, budget)
         for optimizer in optimizers

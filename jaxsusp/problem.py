@@ -17,11 +17,12 @@ from jax.tree_util import Partial
 from jaxsusp._types import Array, Float
 from jaxsusp.errors import InputError, require_count, require_known
 from jaxsusp.fitness import FitnessTerms, fitness_terms, waypoint_stability
+from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.scenario import Scenario
+from jaxsusp.search import SEARCHES, Regions, keep_inside, pad_regions, regions_of
+from jaxsusp.vec3 import Vec3
 from jaxsusp.world import World, build_world, cast_world
-
-SEARCHES = ("box",)
-"""Search rules by name: `box` keeps every waypoint inside the workspace."""
 
 
 @jax.tree_util.register_dataclass
@@ -57,28 +58,42 @@ def _flat_fitness(suspension: Suspension, x: Array) -> Array:
     return suspension.terms(x.T).total
 
 
-@custom_vmap
-def _population_fitness(suspension: Suspension, x: Array) -> Array:
-    """Fitness of (N, D); whatever `vmap` adds, the arithmetic sees one flat batch of candidates.
+@jax.jit
+def _flat_repair(regions: Regions, x: Array) -> Array:
+    waypoints = x.T.reshape(-1, 3, len(x))
+    inside = keep_inside(regions, Vec3(*(waypoints[:, i] for i in range(3))))
+    return jnp.stack(inside, axis=1).reshape(-1, len(x)).T
 
-    Runs join the population in the last axis, where XLA vectorises. Scenarios, whose worlds
+
+def _one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Array], Array]:
+    """Let a function of (coefficients, candidates (N, D)) see one flat batch whatever `vmap` adds.
+
+    Runs join the population in the last axis, where XLA vectorises. Scenarios, whose coefficients
     differ, are taken in turn: one body of code whatever their number keeps a run bit-equal
     whether its scenario is alone or stacked.
     """
-    return _flat_fitness(suspension, x)
+
+    @custom_vmap
+    def batched(coefficients, x: Array) -> Array:
+        return function(coefficients, x)
+
+    @batched.def_vmap
+    def _rule(axis_size, in_batched, coefficients, x):
+        if not any(jax.tree.leaves(in_batched[0])):
+            flat = batched(coefficients, x.reshape(-1, x.shape[-1]))
+            return flat.reshape(x.shape[:-1] + flat.shape[1:]), True
+        coefficients, x = jax.tree.map(
+            lambda leaf, batched: leaf if batched else jnp.stack([leaf] * axis_size),
+            (coefficients, x),
+            tuple(in_batched),
+        )
+        return jax.lax.map(lambda each: function(*each), (coefficients, x)), True
+
+    return batched
 
 
-@_population_fitness.def_vmap
-def _population_fitness_rule(axis_size, in_batched, suspension, x):
-    if not any(jax.tree.leaves(in_batched[0])):
-        flat = _population_fitness(suspension, x.reshape(-1, x.shape[-1]))
-        return flat.reshape(x.shape[:-1]), True
-    suspension, x = jax.tree.map(
-        lambda leaf, batched: leaf if batched else jnp.stack([leaf] * axis_size),
-        (suspension, x),
-        tuple(in_batched),
-    )
-    return jax.lax.map(lambda each: _flat_fitness(*each), (suspension, x)), True
+_population_fitness = _one_flat_batch(_flat_fitness)
+_population_repair = _one_flat_batch(_flat_repair)
 
 
 class Problem:
@@ -92,6 +107,8 @@ class Problem:
         upper: upper bounds, (D,), above `lower`. The dtype of the bounds is that of the search.
         reference: the point that `frame="task"` moves relative to; default the middle of the
             bounds.
+        regions: convex regions in whose union every waypoint (x, y, z) of a candidate is kept;
+            default only the bounds.
 
     Raises:
         InputError: bounds of different shapes, not finite, or lower >= upper anywhere.
@@ -101,13 +118,15 @@ class Problem:
     lower: Array
     upper: Array
     reference: Array
+    regions: Regions | None
 
-    def __init__(self, fitness: Callable, lower, upper, reference=None):
+    def __init__(self, fitness: Callable, lower, upper, reference=None, regions=None):
         lower, upper = _bounds(lower, upper)
         middle = lower + (upper - lower) / 2
         self.fitness = fitness if _is_pytree(fitness) else Partial(fitness)
         self.lower, self.upper = lower, upper
         self.reference = middle if reference is None else np.asarray(reference, lower.dtype)
+        self.regions = jax.tree.map(lambda leaf: np.asarray(leaf, lower.dtype), regions)
 
     @classmethod
     def from_scenario(
@@ -115,10 +134,11 @@ class Problem:
         scenario: Scenario,
         waypoints: int = 5,
         samples: int = 40,
-        search: str = "box",
+        search: str = SEARCHES[0],
         dtype: Any = None,
         world: World | None = None,
         with_stability: bool | None = None,
+        space: FreeSpace | None = None,
     ) -> "Problem":
         """Planning the load's trajectory of a scenario: x holds the m waypoints, D = 3m.
 
@@ -126,15 +146,18 @@ class Problem:
             scenario: the task.
             waypoints: number m of free waypoints between start and goal.
             samples: number n of trajectory samples, both ends included.
-            search: rule that keeps waypoints inside, one of `SEARCHES`.
+            search: what waypoints are kept in: "free-space" (the polytopes of the scenario's free
+                space), "ellipsoid" (their ellipsoids, the paper's rule) or "box" (the workspace).
             dtype: of the bounds and thereby of a search; default JAX's default float.
             world: the scenario's arrays if they are at hand (for example padded to a common
                 number of obstacles); default built from the scenario.
             with_stability: whether S_cmin is checked; default: if the scenario sets it above 0.
+            space: the scenario's free space if it is at hand; default `jaxsusp.free_space` of it.
 
         Raises:
-            InputError: too few waypoints or samples, an unknown search rule, or a suspension that
-                planning cannot handle, see `require_plannable`.
+            InputError: too few waypoints or samples, an unknown search rule, a suspension that
+                planning cannot handle (see `require_plannable`), or no collision-free route where
+                the search is confined to the free space.
         """
         require_count("waypoints", waypoints)
         require_count("samples", samples, least=3)  # fewer define no curvature
@@ -150,6 +173,7 @@ class Problem:
             np.tile(np.asarray(scenario.workspace.lower, dtype), waypoints),
             np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
             line.reshape(-1),
+            None if search == "box" else _confine(scenario, search, space),
         )
 
     @property
@@ -188,7 +212,14 @@ class Problem:
 
     def repair(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop dim"]:
         """The admissible point that is evaluated and kept in place of x."""
-        return jnp.clip(x, self.low, self.high)
+        inside = jnp.clip(x, self.low, self.high)
+        return inside if self.regions is None else _population_repair(self.regions, inside)
+
+    def with_padded_regions(self, count: int, rows: int) -> "Problem":
+        """The same problem with so many regions of so many rows, some of which hold nothing."""
+        assert self.regions is not None
+        padded = pad_regions(self.regions, count, rows)
+        return _unflatten(None, (self.fitness, self.lower, self.upper, self.reference, padded))
 
     def sample(self, key, count: int) -> Float[Array, "pop dim"]:
         """Uniform random candidates."""
@@ -197,12 +228,18 @@ class Problem:
 
 
 def _flatten(problem: Problem):
-    return (problem.fitness, problem.lower, problem.upper, problem.reference), None
+    return (
+        problem.fitness,
+        problem.lower,
+        problem.upper,
+        problem.reference,
+        problem.regions,
+    ), None
 
 
 def _unflatten(_, children) -> Problem:
     problem = object.__new__(Problem)  # leaves may be tracers or placeholders: nothing to check
-    problem.fitness, problem.lower, problem.upper, problem.reference = children
+    problem.fitness, problem.lower, problem.upper, problem.reference, problem.regions = children
     return problem
 
 
@@ -210,8 +247,26 @@ jax.tree_util.register_pytree_node(Problem, _flatten, _unflatten)
 
 
 def stack_problems(problems: Sequence[Problem]) -> Problem:
-    """Stack problems of equal static shape along a new leading axis of every leaf."""
+    """Stack problems along a new leading axis of every leaf.
+
+    They are of equal static shape but for their regions, which are padded to common counts.
+    """
+    shapes = [each.regions.table.shape for each in problems if each.regions is not None]
+    if shapes:
+        count, rows, _ = np.max(shapes, axis=0)
+        problems = [each.with_padded_regions(count, rows) for each in problems]
     return jax.tree.map(lambda *leaves: np.stack(leaves), *problems)
+
+
+def _confine(scenario: Scenario, search: str, space: FreeSpace | None) -> Regions | None:
+    """The regions of a search rule; refuses a free space without a way from start to goal."""
+    space = free_space(scenario) if space is None else space
+    if not space.connected:
+        raise InputError(
+            f'{scenario.name}: search = "{search}": {space.reason}; move start, goal or '
+            'obstacles, or search = "box"'
+        )
+    return regions_of(space, search)
 
 
 def _bounds(lower, upper) -> tuple[np.ndarray, np.ndarray]:

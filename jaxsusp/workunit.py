@@ -42,9 +42,22 @@ class Group(NamedTuple):
 
 
 def stack_scenarios(
-    scenarios: Sequence[Scenario], waypoints: int, samples: int, search: str
+    scenarios: Sequence[Scenario],
+    waypoints: int,
+    samples: int,
+    search: str,
+    told: Callable[[Scenario], None] = lambda scenario: None,
 ) -> list[Group]:
-    """Group scenarios by static shape, pad the obstacles of a group to common counts, and stack."""
+    """Group scenarios by static shape, pad obstacles and regions to common counts, and stack.
+
+    Args:
+        scenarios: what to group.
+        waypoints: m of every problem.
+        samples: n of every problem.
+        search: rule that keeps waypoints inside; all but "box" need the free space, which takes
+            seconds where it is not in the cache.
+        told: called with a scenario before its problem is made.
+    """
     groups: dict[tuple, list[Scenario]] = {}
     for scenario in scenarios:
         hook = scenario.payload.attachments == "hook"
@@ -54,23 +67,21 @@ def stack_scenarios(
     def stack(members: list[Scenario]) -> Group:
         counts = obstacle_counts(members)
         with_stability = any(member.limits.stability > 0 for member in members)
-        return Group(
-            tuple(members),
-            stack_problems(
-                [
-                    Problem.from_scenario(
-                        member,
-                        waypoints,
-                        samples,
-                        search,
-                        dtype=np.float32,
-                        world=build_world(member, counts),
-                        with_stability=with_stability,
-                    )
-                    for member in members
-                ]
-            ),
-        )
+
+        def problem(member: Scenario) -> Problem:
+            told(member)
+            return Problem.from_scenario(
+                member,
+                waypoints,
+                samples,
+                search,
+                dtype=np.float32,
+                world=build_world(member, counts),
+                with_stability=with_stability,
+            )
+
+        problems = [problem(member) for member in members]
+        return Group(tuple(members), stack_problems(problems))
 
     return [stack(members) for members in groups.values()]
 

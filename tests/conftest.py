@@ -1,5 +1,8 @@
 """Settings under which every test runs: float64, two CPU devices, no silent promotion."""
 
+import os
+import tempfile
+
 import jax
 import pytest
 
@@ -10,6 +13,10 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
+# Free spaces are computed once per session, and never found in a person's own cache.
+_cache = tempfile.TemporaryDirectory(prefix="jaxsusp-cache-")
+os.environ["JAXSUSP_CACHE"] = _cache.name
+
 
 @pytest.fixture(scope="session")
 def scenarios() -> list[js.Scenario]:
@@ -19,5 +26,5 @@ def scenarios() -> list[js.Scenario]:
 
 @pytest.fixture(scope="session")
 def problems(scenarios) -> list[js.Problem]:
-    """Their planning problems in float64."""
-    return [js.Problem.from_scenario(scenario) for scenario in scenarios]
+    """Their planning problems in float64, waypoints anywhere in the workspace."""
+    return [js.Problem.from_scenario(scenario, search="box") for scenario in scenarios]

@@ -99,7 +99,7 @@ def test_attributes_tell_where_the_numbers_come_from(two, scenarios):
     digests = {each.name: each.digest for each in scenarios if each.name in SCENARIOS}
     assert settings == {
         "iterations": 6, "population": 8, "seed": 0, "waypoints": 5, "samples": 40,
-        "search": "box", "budget": "iterations", "scenarios": digests,
+        "search": "free-space", "budget": "iterations", "scenarios": digests,
     }  # fmt: skip
     assert two.attrs["seed"] == 0
     assert json.loads(two.attrs["versions"]).keys() == {"python", *results.PACKAGES}
@@ -110,7 +110,9 @@ def test_attributes_tell_where_the_numbers_come_from(two, scenarios):
 
 
 def test_numbers_are_those_of_the_problem_in_float64(two):
-    problem = js.Problem.from_scenario(js.load_scenario("scenario-3"), dtype=np.float64)
+    problem = js.Problem.from_scenario(
+        js.load_scenario("scenario-3"), dtype=np.float64, search="box"
+    )
     cell = two.sel(scenario="scenario-3").stack(candidate=("algorithm", "run"))
     terms = jax.jit(jax.vmap(problem.terms))(jnp.asarray(cell["x"].values.T))
     np.testing.assert_allclose(cell["fitness"], terms.total, rtol=1e-12)

@@ -32,7 +32,10 @@ def test_every_sample_and_cable_outside_the_tension_limits_counts(scenarios, lim
     tensions, _ = tensions_on_the_line(scenario)
     expected = ((tensions < limit[0]) | (tensions > limit[1])).sum()
     assert expected > 0
-    assert int(js.Problem.from_scenario(scenario).terms(straight(scenario)).violations) == expected
+    assert (
+        int(js.Problem.from_scenario(scenario, search="box").terms(straight(scenario)).violations)
+        == expected
+    )
 
 
 def test_every_sample_and_cable_outside_the_length_limits_counts(scenarios):
@@ -42,11 +45,14 @@ def test_every_sample_and_cable_outside_the_length_limits_counts(scenarios):
     lengths = np.linalg.norm(ends[None] - (line + np.array([0, 0, 0.15]))[:, None], axis=-1)
     expected = ((lengths < 7) | (lengths > 8)).sum()
     assert expected > 0
-    assert int(js.Problem.from_scenario(scenario).terms(straight(scenario)).violations) == expected
+    assert (
+        int(js.Problem.from_scenario(scenario, search="box").terms(straight(scenario)).violations)
+        == expected
+    )
 
 
 def test_the_workspace_may_be_left_by_a_millimetre(scenarios):
-    problem = js.Problem.from_scenario(scenarios[0], waypoints=1, samples=3)
+    problem = js.Problem.from_scenario(scenarios[0], waypoints=1, samples=3, search="box")
     inside = problem.terms(jnp.asarray([3.5009, 0.0, 2.0]))
     outside = problem.terms(jnp.asarray([3.5011, 0.0, 2.0]))
     assert int(outside.violations) - int(inside.violations) == 1
@@ -54,9 +60,9 @@ def test_the_workspace_may_be_left_by_a_millimetre(scenarios):
 
 def test_the_stability_limit_counts_samples_and_zero_switches_it_off(scenarios):
     x = straight(scenarios[0])
-    unlimited = js.Problem.from_scenario(scenarios[0])
+    unlimited = js.Problem.from_scenario(scenarios[0], search="box")
     assert int(unlimited.terms(x).violations) == 0
-    limited = js.Problem.from_scenario(variant(scenarios[0], stability=0.7))
+    limited = js.Problem.from_scenario(variant(scenarios[0], stability=0.7), search="box")
     world = limited.fitness.world
     _, line = tensions_on_the_line(scenarios[0])
     factor = np.asarray(waypoint_stability(world, jnp.asarray(line.ravel())))
@@ -69,7 +75,7 @@ def test_a_stack_with_a_stability_limit_changes_nothing_for_those_without(scenar
     """S_cmin = 0 means no limit even where S_c is checked for another scenario of the stack."""
     x = np.tile([3.4, 3.4, 5.4], 5).astype(np.float32)  # far outside: S_c = 0
     for checked in (False, True):
-        problem = js.Problem.from_scenario(scenarios[0], with_stability=checked)
+        problem = js.Problem.from_scenario(scenarios[0], with_stability=checked, search="box")
         counts = int(problem.terms(x).violations)
         reference = counts if not checked else reference
         assert counts == reference
@@ -77,7 +83,7 @@ def test_a_stack_with_a_stability_limit_changes_nothing_for_those_without(scenar
 
 def test_a_singular_configuration_counts_as_a_violation(scenarios):
     """A load at the height of the ends: the cables are coplanar and no tension is finite."""
-    problem = js.Problem.from_scenario(scenarios[0])
+    problem = js.Problem.from_scenario(scenarios[0], search="box")
     world = cast_world(problem.fitness.world, np.float64)
     at_ends = Vec3(jnp.asarray([0.3]), jnp.asarray([0.2]), jnp.asarray([7.0 - 0.15]))
     _, tensions = tensions_at(world, at_ends)
@@ -89,7 +95,7 @@ def test_a_singular_configuration_counts_as_a_violation(scenarios):
 def test_what_single_precision_finds_admissible_is_so_in_double(scenarios):
     """Waypoints at the tension limit: no candidate that float32 passes is refused by float64."""
     rng = np.random.default_rng(0)
-    problem = js.Problem.from_scenario(scenarios[0], waypoints=1, samples=3)
+    problem = js.Problem.from_scenario(scenarios[0], waypoints=1, samples=3, search="box")
     x = rng.uniform([-3.5, -3.5, 0.2], [3.5, 3.5, 5.5], (20000, 3))
     terms = jax.jit(problem.fitness.terms)
     single, double = (terms(jnp.asarray(np.float32(x.T), d)) for d in (jnp.float32, jnp.float64))

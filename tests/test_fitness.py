@@ -44,7 +44,7 @@ def test_total_is_the_weighted_sum(scenarios):
             "fitness": scenarios[0].fitness.model_copy(update={"weights": weights, "kappa": 7.0})
         }
     )
-    terms = js.Problem.from_scenario(scenario).terms(straight(scenario) + 0.1)
+    terms = js.Problem.from_scenario(scenario, search="box").terms(straight(scenario) + 0.1)
     parts = [terms.length, terms.height, terms.cable, terms.tension_rate, terms.curvature]
     penalty = 7 * (int(terms.collisions) + int(terms.violations))
     assert float(terms.penalty) == penalty

@@ -16,6 +16,7 @@ from jaxsusp.comparison import compare as run_comparison
 from jaxsusp.progress import ProgressBar
 from jaxsusp.results import load
 from jaxsusp.scenario import scenarios as built_in
+from jaxsusp.search import SEARCHES
 from jaxsusp.store import FILE
 
 
@@ -37,7 +38,13 @@ def compare(
     budget: Annotated[
         str, typer.Option(help='Equal "iterations" (the paper) or equal "evaluations" for all.')
     ] = "iterations",
-    search: Annotated[str, typer.Option(help="Rule that keeps waypoints inside.")] = "box",
+    search: Annotated[
+        str,
+        typer.Option(
+            help='What waypoints are kept in: polytopes of the "free-space", the paper\'s '
+            '"ellipsoid"s in them, or the "box" of the workspace.'
+        ),
+    ] = SEARCHES[0],
     waypoints: Annotated[int, count("Free waypoints between start and goal.")] = 5,
     samples: Annotated[int, count("Samples of a trajectory.")] = 40,
     output: Output = Path("results"),

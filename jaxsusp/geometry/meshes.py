@@ -23,16 +23,7 @@ def bounding_box(path: str | Path, scale: float = 1.0) -> np.ndarray:
     Raises:
         MeshError: the file is missing, unreadable, empty or holds non-finite coordinates.
     """
-    import trimesh  # takes a while to import, and most scenarios hold no mesh
-
-    if not os.path.isfile(path):
-        raise MeshError(f"there is no file {path}")
-    try:
-        # Unprocessed: clean-up would drop vertices that are not finite without a word.
-        bounds = trimesh.load_scene(path, process=False).bounds
-    except Exception as error:  # each format's parser fails in its own way
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise MeshError(f"{path} cannot be read as a mesh: {reason}") from error
+    bounds = _load(path).bounds
     if bounds is None:
         raise MeshError(f"{path} holds no mesh")
     with np.errstate(all="ignore"):
@@ -40,3 +31,31 @@ def bounding_box(path: str | Path, scale: float = 1.0) -> np.ndarray:
     if not np.isfinite(extents).all():
         raise MeshError(f"{path} has coordinates that are not finite numbers")
     return extents
+
+
+def hull_points(path: str | Path, scale: float = 1.0) -> np.ndarray:
+    """Corners of a mesh's convex hull about the centre of its bounding box (m), (corners, 3).
+
+    Raises:
+        MeshError: as for `bounding_box`, or the mesh is flat, so that only its box has an inside.
+    """
+    bounding_box(path, scale)
+    scene = _load(path)
+    try:
+        corners = np.asarray(scene.convex_hull.vertices, np.float64)
+    except Exception as error:  # Qhull's own, of no common class
+        raise MeshError(f'{path} is flat and has no hull; use shape = "box"') from error
+    return scale * (corners - np.mean(scene.bounds, axis=0))
+
+
+def _load(path: str | Path):
+    import trimesh  # takes a while to import, and most scenarios hold no mesh
+
+    if not os.path.isfile(path):
+        raise MeshError(f"there is no file {path}")
+    try:
+        # Unprocessed: clean-up would drop vertices that are not finite without a word.
+        return trimesh.load_scene(path, process=False)
+    except Exception as error:  # each format's parser fails in its own way
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise MeshError(f"{path} cannot be read as a mesh: {reason}") from error

@@ -4,6 +4,8 @@ Every function takes the dataset of a comparison and returns a frame of plain nu
 read (title, caption, best values, footnotes) travels in `frame.attrs` to the renderers.
 """
 
+import json
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -75,8 +77,8 @@ def comparison_table(ds: xr.Dataset) -> pd.DataFrame:
         "Fitness over all runs (std with n − 1); length, height and median curvature radius of "
         "the best run; evals: fitness evaluations per run; clear: runs without any collision or "
         "violation. One batch holds all runs of all scenarios, so a run time is one run's share of "
-        f"its batch. Compilation, once per batch and not included: {compiled}."
-    )
+        f"its batch. Compilation, once per batch and not included: {compiled}. {_search(ds)}"
+    ).strip()
     return frame
 
 
@@ -130,6 +132,17 @@ def stability_table(ds: xr.Dataset) -> pd.DataFrame:
         "stability factor in the window and was scaled. Kept: the beetle became better by it."
     )
     return frame
+
+
+def _search(ds: xr.Dataset) -> str:
+    """A sentence on what waypoints were kept in."""
+    search = json.loads(ds.attrs.get("settings", "{}")).get("search")
+    kept = {
+        "free-space": "in the polytopes of the free space",
+        "ellipsoid": "in the ellipsoids of the free space",
+        "box": "in the box of the workspace",
+    }
+    return f'Waypoints were kept {kept[search]} (search = "{search}").' if search in kept else ""
 
 
 def _flat(ds: xr.Dataset, columns: list[str]) -> pd.DataFrame:

@@ -205,7 +205,8 @@ def test_padding_never_counts(scenarios, problems):
     from jaxsusp.world import build_world
 
     x = jnp.asarray(np.random.default_rng(0).uniform(-1, 3, (50, 15)))
-    padded = js.Problem.from_scenario(scenarios[0], world=build_world(scenarios[0], (9, 8, 7)))
+    world = build_world(scenarios[0], (9, 8, 7))
+    padded = js.Problem.from_scenario(scenarios[0], world=world, search="box")
     np.testing.assert_array_equal(
         problems[0].fitness.terms(x.T).collisions, padded.fitness.terms(x.T).collisions
     )

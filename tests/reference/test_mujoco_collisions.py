@@ -159,7 +159,7 @@ def turned(scenario: js.Scenario) -> js.Scenario:
 @pytest.fixture(scope="module", params=[lambda scenario: scenario, turned], ids=["as is", "turned"])
 def case(request, scenarios) -> Case:
     scenario = request.param(scenarios[0])
-    problem = js.Problem.from_scenario(scenario)
+    problem = js.Problem.from_scenario(scenario, search="box")
     good = js.minimize(problem, js.pso(), runs=4, iterations=150).best
     assert problem.terms(good).collisions == 0
 

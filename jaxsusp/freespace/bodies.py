@@ -1,0 +1,179 @@
+"""What the load must avoid, as convex bodies in the space of its positions (spec §5, §6).
+
+Two kinds of body: an obstacle inflated by the load, and the shadow that an obstacle casts from a
+cable's upper end: where the load hangs in it, that cable touches the obstacle. A position outside
+all bodies is clear for the load and for every cable.
+
+Boxes are exact. Round bodies are circumscribed by polyhedra, so that free stays conservative: a
+cylinder by a prism of `SIDES` sides, up to 0.9 % of its inflated radius outside the circle, and a
+sphere (for cables) by the polyhedron of 162 tangent planes, up to 1.9 % of its radius outside.
+"""
+
+import functools
+from collections.abc import Iterator
+from itertools import product
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+from jaxsusp._messages import numbered
+from jaxsusp.errors import InputError
+from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Point, Points, nearest_point
+from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
+from jaxsusp.geometry.meshes import bounding_box, hull_points
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.scenario import Scenario
+from jaxsusp.world import warning_shape
+
+SIDES = 24
+"""Sides of the prism around a cylinder."""
+
+MARGIN = SINGLE_PRECISION_MARGIN
+"""m by which every inflation is larger than its name says, as in a search in float32: a waypoint
+on the border of a region stays clear when it is rounded."""
+
+_SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
+
+
+def bodies_of(scenario: Scenario) -> list[Body]:
+    """Inflated obstacles for the load, and a shadow of every obstacle per cable.
+
+    Where the ends move, a load position does not say where the cables are: only the load's own
+    bodies are left, and the search counts contacts of the cables.
+
+    Raises:
+        InputError: the upper end of a cable lies in an obstacle's warning area.
+    """
+    named = [
+        (numbered("obstacles", i, obstacle.name), obstacle)
+        for i, obstacle in enumerate(scenario.obstacles)
+    ]
+    bodies = [Body.hull(f"{name} (load)", _for_load(o, scenario)) for name, o in named]
+    if moving(scenario.drive):
+        return bodies
+    thin = warning_shape(scenario).cable_radius + scenario.limits.clearance + MARGIN
+    for name, obstacle in named:
+        body = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
+        bodies += _shadows(scenario, body)
+    return bodies
+
+
+def domain_of(scenario: Scenario) -> HalfSpaces:
+    """The workspace and, for a hook, where every cable pulls (all T_k >= 0).
+
+    Without horizontal force a hook is balanced by pulling cables iff the vertical above it meets
+    the convex hull of the ends: for ends of one height, iff it is inside their polygon (spec §3).
+    """
+    workspace = HalfSpaces.box(*map(np.array, (scenario.workspace.lower, scenario.workspace.upper)))
+    if scenario.payload.attachments != "hook" or moving(scenario.drive):
+        return workspace
+    taut = _below(np.array([robot.end for robot in scenario.robots]))
+    hook = np.array([0.0, 0.0, scenario.payload.height / 2])
+    return workspace & HalfSpaces(taut.A, taut.b - taut.A @ hook)
+
+
+def _below(ends: Points) -> HalfSpaces:
+    """All points from which a vertical line upwards meets the convex hull of the ends."""
+    deep = ends - [0.0, 0.0, 1e3 * np.ptp(ends[:, :2])]
+    hull = ConvexHull(np.concatenate([ends, deep])).equations
+    hull = np.unique(hull[hull[:, 2] > -1e-9].round(12), axis=0)  # all faces but the bottom
+    return HalfSpaces(hull[:, :3], -hull[:, 3])
+
+
+def attachments_of(scenario: Scenario) -> Points:
+    """Lower cable ends relative to the load's centre, one row per cable (m)."""
+    payload, cables = scenario.payload, len(scenario.robots)
+    if payload.attachments == "hook":
+        return np.tile([0.0, 0.0, payload.height / 2], (cables, 1))
+    return np.array(payload.attachments, np.float64)
+
+
+def _shadows(scenario: Scenario, body: Body) -> Iterator[Body]:
+    """The load positions at which each cable meets a body, {P + s (o - P) - B' : s >= 1}.
+
+    Cut off beyond the workspace, a shadow is the hull of the body's corners and of the same
+    corners pushed away from the end.
+    """
+    corners = np.array(
+        [*product(*np.transpose([scenario.workspace.lower, scenario.workspace.upper]))]
+    )
+    rows = zip(scenario.robots, attachments_of(scenario), strict=True)
+    for k, (robot, attachment) in enumerate(rows):
+        end = np.array(robot.end)
+        nearest = nearest_point(body.faces, end).point
+        distance = 0.0 if nearest is None else float(np.linalg.norm(nearest - end))
+        if distance < 1e-6:
+            raise InputError(
+                f"robots[{k}].end = {list(robot.end)} is in the warning area of {body.name}; "
+                "move the end or the obstacle"
+            )
+        farthest = np.linalg.norm(corners + attachment - end, axis=1).max()
+        push = max(1.0, farthest / distance) * 1.01
+        pushed = end + push * (body.corners - end)
+        yield Body.hull(
+            f"{body.name} (cable {k + 1})", np.concatenate([body.corners, pushed]) - attachment
+        )
+
+
+def _for_load(obstacle: Any, scenario: Scenario) -> Points:
+    """Corners of an obstacle inflated by the upright load."""
+    wide, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
+    across, up = shape.radius + wide, shape.half_height + wide
+    return _inflated(obstacle, across, up, ball=False)
+
+
+def _inflated(obstacle: Any, across: float, up: float, ball: bool) -> Points:
+    """Corners of a polyhedron around an obstacle inflated horizontally and vertically.
+
+    Args:
+        obstacle: of a scenario.
+        across: horizontal inflation (m).
+        up: vertical inflation (m), upwards and downwards.
+        ball: whether an inflated sphere is a ball (cables) or an upright cylinder (load).
+    """
+    center = np.array(obstacle.center)
+    grown = np.array([across, across, up])
+    match obstacle.kind:
+        case "box":
+            local = _SIGNS * (np.array(obstacle.size) / 2 + grown)
+            return center + _turned(local, obstacle.yaw_deg)
+        case "mesh" if obstacle.shape == "hull":
+            points = hull_points(obstacle.path, obstacle.scale)
+            local = (points[:, None] + _SIGNS * grown).reshape(-1, 3)
+            return center + _turned(local, obstacle.yaw_deg)
+        case "mesh":
+            half = bounding_box(obstacle.path, obstacle.scale) / 2
+            return center + _turned(_SIGNS * (half + grown), obstacle.yaw_deg)
+        case "cylinder":
+            return center + _prism(obstacle.radius + across, obstacle.height / 2 + up)
+        case "sphere" if ball:
+            return center + (obstacle.radius + across) * _round_polyhedron()
+        case "sphere":
+            return center + _prism(obstacle.radius + across, obstacle.radius + up)
+    raise ValueError(f"no body for an obstacle of kind {obstacle.kind!r}")
+
+
+def _turned(points: Points, yaw_deg: float) -> Points:
+    c, s = np.cos(np.deg2rad(yaw_deg)), np.sin(np.deg2rad(yaw_deg))
+    return points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _prism(radius: float, half_height: float) -> Points:
+    """Corners of the upright prism around a cylinder about the origin."""
+    angle = 2 * np.pi * (np.arange(SIDES) + 0.5) / SIDES
+    ring = radius / np.cos(np.pi / SIDES) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.concatenate(
+        [np.column_stack([ring, np.full(SIDES, z)]) for z in (-half_height, half_height)]
+    )
+
+
+@functools.cache
+def _round_polyhedron() -> Point:
+    """Corners of the polyhedron whose faces touch the unit sphere at an icosphere's points."""
+    from trimesh.creation import icosphere
+
+    normals = np.asarray(icosphere(subdivisions=2).vertices, np.float64)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    halves = np.column_stack([normals, np.full(len(normals), -1.0)])
+    return np.unique(HalfspaceIntersection(halves, np.zeros(3)).intersections.round(12), axis=0)

@@ -1,0 +1,248 @@
+"""Scenario → FreeSpace: seeds, regions, coverage, route (spec §6)."""
+
+import hashlib
+import json
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from platformdirs import user_cache_path
+
+from jaxsusp.errors import InputError, require, require_count, require_seed
+from jaxsusp.freespace.bodies import bodies_of, domain_of
+from jaxsusp.freespace.ellipsoid import SOLVER, require_solver
+from jaxsusp.freespace.graph import RegionGraph
+from jaxsusp.freespace.iris import Bodies, Region, iris, proved_apart
+from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, irredundant
+from jaxsusp.freespace.space import FORMAT, FreeSpace, assemble, load_free_space
+from jaxsusp.scenario import Scenario
+
+SAMPLES = 20_000
+"""Positions drawn in the workspace at a time, to estimate coverage and to find seeds."""
+
+TARGETS = 5
+"""Intermediate target points on the start–goal line that regions are seeded at (the paper's)."""
+
+CANDIDATES = 4
+"""Seeds that are tried per further region; the one that adds most coverage is kept."""
+
+CACHE = "JAXSUSP_CACHE"
+"""Environment variable with the folder of the cache; empty means no cache."""
+
+
+class Growth(NamedTuple):
+    """What a progress callback is told."""
+
+    regions: int
+    coverage: float  # of the samples at hand
+    connected: bool  # start and goal
+
+
+def free_space(
+    scenario: Scenario,
+    coverage: float = 0.95,
+    limit: int = 200,
+    seed: int = 0,
+    solver: str = SOLVER,
+    cache: bool = True,
+    progress: Callable[[Growth], None] = lambda growth: None,
+) -> FreeSpace:
+    """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
+
+    Regions are grown until start and goal are connected and the share of sampled free positions
+    that lie in a region is reached. The answer is kept in a cache by the content of the scenario
+    and the settings (`JAXSUSP_CACHE` names the folder).
+
+    Args:
+        scenario: the task; any number of robots.
+        coverage: share of the free space to cover, in (0, 1).
+        limit: greatest number of regions.
+        seed: of the samples.
+        solver: of the cone programs, by the name cvxpy knows it by.
+        cache: whether to look it up, and to keep it.
+        progress: called after every region.
+
+    Returns:
+        The free space. Where start and goal could not be connected, its `reason` says what was
+        tried.
+
+    Raises:
+        InputError: bad settings, or an end of a cable inside a warning area.
+    """
+    require(0 < coverage < 1, f"coverage = {coverage!r}: give a share between 0 and 1")
+    require_count("limit", limit, least=2)
+    require_seed(seed)
+    require_solver(solver)
+    settings = {"coverage": coverage, "limit": limit, "seed": seed, "solver": solver}
+    file = _cache_file(scenario, settings) if cache else None
+    if file and file.is_file():
+        with suppress(InputError):  # damaged: it is built and written again
+            return load_free_space(file)
+    space = _Builder(scenario, settings, progress).build()
+    if file:
+        with suppress(InputError):  # a full or read-only disk costs time next time, nothing else
+            space.save(file)
+    return space
+
+
+def _cache_file(scenario: Scenario, settings: dict) -> Path | None:
+    given = os.environ.get(CACHE)
+    folder = user_cache_path("jaxsusp") if given is None else Path(given) if given else None
+    if folder is None:
+        return None
+    content = [FORMAT, version("jaxsusp"), scenario.digest, settings]
+    digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+    return folder / "free-space" / f"{digest[:32]}.nc"
+
+
+class _Builder:
+    """Grows the regions of one scenario."""
+
+    def __init__(self, scenario: Scenario, settings: dict, progress: Callable[[Growth], None]):
+        clock = time.perf_counter()
+        self.settings, self.progress = settings, progress
+        self.start, self.goal = (np.array(p) for p in (scenario.task.start, scenario.task.goal))
+        self.corners = np.array([scenario.workspace.lower, scenario.workspace.upper])
+        self.domain: HalfSpaces = domain_of(scenario)
+        everything = bodies_of(scenario)
+        self.bodies = Bodies([b for b in everything if not proved_apart(self.domain, b)])
+        self.random = np.random.default_rng(settings["seed"])
+        self.graph = RegionGraph()
+        self.seconds = {"bodies": time.perf_counter() - clock}
+
+    def build(self) -> FreeSpace:
+        """Regions, coverage, route."""
+        clock = time.perf_counter()
+        if trouble := self._seed_task():
+            return self._describe(0.0, trouble, clock)
+        covered = self._cover()
+        if not self.graph.connect(self.start, self.goal):
+            return self._describe(covered, self._disconnected(covered), clock)
+        return self._describe(covered, "", clock)
+
+    def _describe(self, coverage: float, reason: str, clock: float) -> FreeSpace:
+        self.seconds["regions"] = time.perf_counter() - clock
+        clock = time.perf_counter()
+        route, polyline, bound = [], np.empty((0, 3)), np.inf
+        if not reason:
+            route = self.graph.route(self.start, self.goal)
+            polyline, bound = self.graph.shortest_polyline(
+                route, self.start, self.goal, self.settings["solver"]
+            )
+        self.seconds["route"] = time.perf_counter() - clock
+        return assemble(
+            self.graph.regions,
+            adjacency=self.graph.adjacency,
+            route=np.array(route, int),
+            polyline=polyline,
+            bound=bound,
+            coverage=coverage,
+            reason=reason,
+            details={**self.settings, "bodies": len(self.bodies), "seconds": self.seconds},
+        )
+
+    def _seed_task(self) -> str:
+        """Regions at start and goal; what stands in the way, if anything does."""
+        for name, place in (("task.start", self.start), ("task.goal", self.goal)):
+            try:
+                region = self._grow(place)
+            except InputError as error:
+                blocked = str(error).partition(" is ")[2].partition(";")[0]
+                return f"{name} = {place.tolist()} has no free space around it: it is {blocked}"
+            if region is None:
+                return f"{name} = {place.tolist()} has too little free space around it"
+            self._add(region, 0.0)
+        return ""
+
+    def _cover(self) -> float:
+        """Grow regions until the task is connected and enough is covered; the share covered."""
+        share = 0.0
+        for round_ in range(_ROUNDS):
+            samples = self._free_samples()
+            if len(samples) == 0:
+                break
+            covered = self._covered(samples)
+            share = covered.mean().item()
+            connected = self.graph.connect(self.start, self.goal)
+            if (share >= self.settings["coverage"] and connected) or self._full:
+                return share  # of samples that no region was seeded at
+            if round_ == 0:
+                for target in self._targets(samples):
+                    self._try_at(target, samples, covered)
+            # While the task is not connected, every round looks into smaller corners.
+            wanted = self.settings["coverage"]
+            wanted = wanted if connected else 1 - (1 - wanted) / 2**round_
+            self._fill(samples, covered, wanted)
+        return share
+
+    def _fill(self, samples: Points, covered: np.ndarray, wanted: float) -> None:
+        """Add regions until a share of the samples is covered; updates `covered`."""
+        missing = np.flatnonzero(~covered)
+        hopeless = np.zeros(len(samples), bool)
+        while covered.mean() < wanted and not self._full:
+            missing = np.flatnonzero(~covered & ~hopeless)
+            if len(missing) == 0:
+                return
+            tried = self.random.choice(missing, min(CANDIDATES, len(missing)), replace=False)
+            grown = [(self._grow(samples[i]), i) for i in tried]
+            hopeless[[i for region, i in grown if region is None]] = True
+            found = [region for region, _ in grown if region is not None]
+            gains = [region.polytope.excess(samples[missing]) <= 0 for region in found]
+            if found:
+                best = int(np.argmax([gain.sum() for gain in gains]))
+                covered[missing[gains[best]]] = True
+                self._add(found[best], covered.mean().item())
+
+    def _targets(self, samples: Points) -> Iterator[Point]:
+        """Intermediate targets on the start–goal line, moved to the nearest free sample."""
+        for share in np.linspace(0, 1, TARGETS + 2)[1:-1]:
+            target = self.start + share * (self.goal - self.start)
+            yield samples[((samples - target) ** 2).sum(axis=1).argmin()]
+
+    def _try_at(self, seed: Point, samples: Points, covered: np.ndarray) -> None:
+        if not self._full and not self.graph.holding(seed):
+            region = self._grow(seed)
+            if region is not None:
+                covered |= region.polytope.excess(samples) <= 0
+                self._add(region, covered.mean().item())
+
+    def _grow(self, seed: Point) -> Region | None:
+        return iris(self.bodies, self.domain, seed, solver=self.settings["solver"])
+
+    def _add(self, region: Region, coverage: float) -> None:
+        polytope = irredundant(region.polytope, region.ellipsoid.d)
+        self.graph.add(Region(polytope, region.ellipsoid))
+        connected = self.graph.connect(self.start, self.goal)
+        self.progress(Growth(len(self.graph.regions), coverage, connected))
+
+    @property
+    def _full(self) -> bool:
+        return len(self.graph.regions) >= self.settings["limit"]
+
+    def _free_samples(self) -> Points:
+        drawn = self.random.uniform(self.corners[0], self.corners[1], (SAMPLES, 3))
+        drawn = drawn[self.domain.excess(drawn) < 0]
+        return drawn[~self.bodies.holding(drawn)]
+
+    def _covered(self, samples: Points) -> np.ndarray:
+        inside = np.zeros(len(samples), bool)
+        for region in self.graph.regions:
+            inside |= region.polytope.excess(samples) <= 0
+        return inside
+
+    def _disconnected(self, covered: float) -> str:
+        parts = self.graph.parts
+        return (
+            f"no collision-free route found: start and goal stay in separate parts of the free "
+            f"space ({len(parts)} regions in {len(set(parts.tolist()))} parts cover "
+            f"{covered:.1%} of it, at most {self.settings['limit']} regions allowed)"
+        )
+
+
+_ROUNDS = 8
+"""Draws of samples; each but the last is followed by further regions."""

@@ -1,0 +1,157 @@
+"""Which regions meet, the way through them from start to goal, and the shortest polyline on it."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import cvxpy as cp
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.optimize import linprog
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from jaxsusp.freespace.ellipsoid import SOLVER
+from jaxsusp.freespace.iris import Region
+from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, nearest_point
+
+
+class RegionGraph:
+    """Regions joined where their polytopes intersect; grows by one region at a time."""
+
+    def __init__(self):
+        self.regions: list[Region] = []
+        self._meets: list[list[bool]] = []
+
+    def add(self, region: Region) -> None:
+        """Take in a region."""
+        self._meets.append([_meet(region.polytope, other.polytope) for other in self.regions])
+        self.regions.append(region)
+
+    @property
+    def adjacency(self) -> Bool[np.ndarray, "regions regions"]:
+        """Which regions intersect; symmetric, False on the diagonal."""
+        count = len(self.regions)
+        found = np.zeros((count, count), bool)
+        for i, row in enumerate(self._meets):
+            found[i, :i] = row
+        return found | found.T
+
+    @property
+    def parts(self) -> Int[np.ndarray, " regions"]:
+        """Number of the connected part that each region belongs to."""
+        return connected_components(csr_array(self.adjacency), directed=False)[1]
+
+    def holding(self, point: Point) -> list[int]:
+        """Regions that a point lies in."""
+        return [i for i, r in enumerate(self.regions) if r.polytope.excess(point) <= _TOUCH]
+
+    def connect(self, start: Point, goal: Point) -> bool:
+        """Whether a way through intersecting regions leads from start to goal."""
+        if not self.regions:
+            return False
+        parts = self.parts
+        return not {*parts[self.holding(start)]}.isdisjoint(parts[self.holding(goal)])
+
+    def route(self, start: Point, goal: Point) -> list[int]:
+        """The sequence of regions whose way from centre to centre of their crossings is shortest.
+
+        The vertices of the search are the crossings (pairs of adjacent regions) and the two ends;
+        an edge leads through one region.
+
+        Returns:
+            Indices of regions, the first holding start and the last goal; empty where there is
+            no way.
+        """
+        crossings = np.argwhere(np.triu(self.adjacency))
+        places = np.array(
+            [start, goal, *(_center(self._crossing(i, j)) for i, j in crossings)], np.float64
+        )
+        members: list[set[int]] = [set(self.holding(start)), set(self.holding(goal))]
+        members += [set(pair) for pair in crossings.tolist()]
+        edges = [
+            (one, two)
+            for region in range(len(self.regions))
+            for one, two in _pairs([at for at, regions in enumerate(members) if region in regions])
+        ]
+        if not edges:
+            return []
+        rows, columns = np.array(edges).T
+        # A length of zero would mean "no edge".
+        lengths = np.linalg.norm(places[rows] - places[columns], axis=1) + 1e-9
+        weights = csr_array((lengths, (rows, columns)), shape=(len(places),) * 2)
+        _, before = dijkstra(weights, directed=False, indices=0, return_predecessors=True)
+        if before[1] < 0:
+            return []
+        way = [1]
+        while way[-1] != 0:
+            way.append(int(before[way[-1]]))
+        steps = pairwise(members[at] for at in reversed(way))
+        return _without_detours([min(one & two) for one, two in steps])
+
+    def shortest_polyline(
+        self, route: Sequence[int], start: Point, goal: Point, solver: str = SOLVER
+    ) -> tuple[Points, float]:
+        """The shortest polyline through a sequence of regions, one point per crossing.
+
+        A second-order cone program: minimise Σ ‖x_{i+1} - x_i‖ with x_i in the i-th crossing. Each
+        segment lies in one convex region, so the polyline is as clear as the regions are.
+
+        Returns:
+            The polyline (m) with start and goal, and its length as the solver has it: no polyline
+            through this sequence of regions is shorter, to the solver's relative tolerance.
+        """
+        crossings = [self._crossing(i, j) for i, j in pairwise(route)]
+        if not crossings:
+            return np.array([start, goal]), float(np.linalg.norm(goal - start))
+        x = cp.Variable((len(crossings), 3))
+        points = cp.vstack([start[None], x, goal[None]])
+        inside = [c.A @ x[i] <= c.b for i, c in enumerate(crossings)]
+        length = cp.sum(cp.norm(points[1:] - points[:-1], axis=1))
+        problem = cp.Problem(cp.Minimize(length), inside)
+        problem.solve(solver=solver)
+        assert x.value is not None, problem.status
+        # Solvers stop a little outside: the nearest points inside are exactly in both regions.
+        exact = [
+            nearest_point(crossing, point).point
+            for crossing, point in zip(crossings, np.asarray(x.value), strict=True)
+        ]
+        assert all(point is not None for point in exact)
+        return np.array([start, *exact, goal]), float(np.asarray(problem.value))
+
+    def _crossing(self, i: int, j: int) -> HalfSpaces:
+        return self.regions[i].polytope & self.regions[j].polytope
+
+
+_TOUCH = 1e-9
+"""m that a point may lie outside a region it is said to be in."""
+
+
+def _meet(one: HalfSpaces, two: HalfSpaces) -> bool:
+    both = one & two
+    return nearest_point(both, np.zeros(3)).point is not None
+
+
+def _center(halves: HalfSpaces) -> Point:
+    """Centre of the largest ball in a polytope."""
+    rows = np.column_stack([halves.A, np.ones(len(halves.b))])
+    free = [(None, None)] * 3 + [(0, None)]
+    found = linprog([0, 0, 0, -1], rows, halves.b, bounds=free, method="highs")
+    if found.x is None:  # a crossing so thin that HiGHS finds no point: it has one, as _meet knows
+        nearest = nearest_point(halves, np.zeros(3)).point
+        assert nearest is not None
+        return nearest
+    return found.x[:3]
+
+
+def _pairs(items: list[int]) -> list[tuple[int, int]]:
+    return [(one, two) for at, one in enumerate(items) for two in items[at + 1 :]]
+
+
+def _without_detours(route: list[int]) -> list[int]:
+    """The route with every region once in a row."""
+    return [region for at, region in enumerate(route) if at == 0 or region != route[at - 1]]
+
+
+def polyline_length(points: Float[np.ndarray, "points 3"]) -> float:
+    """Length (m)."""
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())

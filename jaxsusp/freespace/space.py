@@ -1,0 +1,172 @@
+"""The free space of a scenario as frozen arrays, and as a file."""
+
+import json
+import os
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jaxtyping import Bool, Float, Int
+
+from jaxsusp._files import atomic_path
+from jaxsusp.errors import InputError
+from jaxsusp.freespace.ellipsoid import Ellipsoid
+from jaxsusp.freespace.graph import polyline_length
+from jaxsusp.freespace.iris import Region
+from jaxsusp.freespace.polyhedra import HalfSpaces, volume
+
+FORMAT = 1
+"""Version of the file's layout."""
+
+_DIMS: dict[str, tuple[str, ...]] = {
+    "A": ("region", "face", "axis"),
+    "b": ("region", "face"),
+    "C": ("region", "axis", "unit"),
+    "d": ("region", "axis"),
+    "adjacency": ("region", "other"),
+    "route": ("step",),
+    "polyline": ("point", "axis"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace:
+    """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
+
+    Arrays are read-only. Polytopes {p : A p <= b} are padded with rows 0 p <= 1. Regions stay
+    0.1 mm away from every warning area. `route` and `polyline` are empty and `bound` is infinite
+    where no way from start to goal was found; `reason` then says so.
+    """
+
+    A: Float[np.ndarray, "regions faces 3"]
+    b: Float[np.ndarray, "regions faces"]  # m
+    C: Float[np.ndarray, "regions 3 3"]  # {C u + d : ‖u‖ <= 1}, m
+    d: Float[np.ndarray, "regions 3"]  # m
+    adjacency: Bool[np.ndarray, "regions regions"]  # which polytopes intersect
+    route: Int[np.ndarray, " steps"]  # indices of regions from start to goal
+    polyline: Float[np.ndarray, "points 3"]  # the shortest on the route, m
+    bound: float  # length of the shortest polyline through this sequence of regions, m
+    coverage: float  # share of free positions that lie in a region, estimated by sampling
+    reason: str = ""  # why there is no route
+    details: dict[str, Any] = field(default_factory=dict)  # settings, counts, seconds
+
+    def __post_init__(self):
+        for each in fields(self):
+            if isinstance(value := getattr(self, each.name), np.ndarray):
+                value.setflags(write=False)
+
+    @property
+    def connected(self) -> bool:
+        """Whether a route from start to goal was found."""
+        return len(self.route) > 0
+
+    @property
+    def length(self) -> float:
+        """Length of the polyline (m); infinite without one."""
+        return polyline_length(self.polyline) if self.connected else np.inf
+
+    @property
+    def regions(self) -> list[Region]:
+        """Polytopes without the padding, and ellipsoids."""
+        real = np.abs(self.A).sum(axis=2) > 0
+        return [
+            Region(HalfSpaces(A[rows], b[rows]), Ellipsoid(C, d))
+            for A, b, rows, C, d in zip(self.A, self.b, real, self.C, self.d, strict=True)
+        ]
+
+    @property
+    def volumes(self) -> Float[np.ndarray, "regions 2"]:
+        """Volumes (m³) of every polytope and of its ellipsoid."""
+        return np.array(
+            [(volume(r.polytope, r.ellipsoid.d), r.ellipsoid.volume) for r in self.regions]
+        ).reshape(-1, 2)
+
+    def contains(self, points: Float[np.ndarray, "*batch 3"]) -> Bool[np.ndarray, "*batch"]:
+        """Which load positions (m) lie in a region."""
+        points = np.asarray(points, np.float64)
+        inside = np.zeros(points.shape[:-1], bool)
+        for region in self.regions:
+            rest = ~inside
+            inside[rest] = region.polytope.excess(points[rest]) <= 0
+        return inside
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write one NetCDF-4 file, atomically.
+
+        Raises:
+            InputError: the place cannot be written.
+        """
+        path = Path(path)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with atomic_path(path) as scratch:
+                _to_dataset(self).to_netcdf(scratch, engine="h5netcdf")
+        except OSError as error:
+            raise InputError(
+                f"{path}: cannot be written ({error.strerror or error}); choose another place"
+            ) from error
+
+
+def assemble(regions: list[Region], **others: Any) -> FreeSpace:
+    """A free space from regions, padded to a common number of half-spaces."""
+    faces = max((len(region.polytope.b) for region in regions), default=0)
+    A, b = np.zeros((len(regions), faces, 3)), np.ones((len(regions), faces))
+    for i, region in enumerate(regions):
+        A[i, : len(region.polytope.b)] = region.polytope.A
+        b[i, : len(region.polytope.b)] = region.polytope.b
+    return FreeSpace(
+        A=A,
+        b=b,
+        C=np.array([_symmetric(region.ellipsoid.C) for region in regions]).reshape(-1, 3, 3),
+        d=np.array([region.ellipsoid.d for region in regions]).reshape(-1, 3),
+        **others,
+    )
+
+
+def load_free_space(path: str | os.PathLike[str]) -> FreeSpace:
+    """Read what `FreeSpace.save` wrote, exactly as it was.
+
+    Raises:
+        InputError: the file is missing, damaged, or of another layout.
+    """
+    path, remedy = Path(path), "give a file that `jaxsusp freespace` wrote"
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; {remedy}")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
+            return _from_dataset(stored.load())
+    except Exception as error:  # a damaged file can raise anything
+        raise InputError(f"{path}: is not a saved free space ({error}); {remedy}") from error
+
+
+def _to_dataset(space: FreeSpace) -> xr.Dataset:
+    variables = {name: (dims, getattr(space, name)) for name, dims in _DIMS.items()}
+    attributes = {
+        "format": FORMAT,
+        "bound": space.bound,
+        "coverage": space.coverage,
+        "reason": space.reason,
+        "details": json.dumps(space.details),
+    }
+    return xr.Dataset(variables, attrs=attributes)
+
+
+def _from_dataset(ds: xr.Dataset) -> FreeSpace:
+    if ds.attrs["format"] != FORMAT:
+        raise ValueError(f"its format is {ds.attrs['format']}, this version reads {FORMAT}")
+    arrays = {name: ds[name].transpose(*dims).values for name, dims in _DIMS.items()}
+    return FreeSpace(
+        **arrays,
+        bound=float(ds.attrs["bound"]),
+        coverage=float(ds.attrs["coverage"]),
+        reason=str(ds.attrs["reason"]),
+        details=json.loads(ds.attrs["details"]),
+    )
+
+
+def _symmetric(C: np.ndarray) -> np.ndarray:
+    """The symmetric C ≥ 0 of Eq. 23 that describes the same ellipsoid: (C Cᵀ)^½."""
+    axes, lengths, _ = np.linalg.svd(C)
+    return (axes * lengths) @ axes.T
