@@ -28,6 +28,7 @@ from jaxsusp.results import load as load_results
 from jaxsusp.results import save as save_results
 from jaxsusp.scenario import Scenario, ScenarioError, examples, load_scenario, scenarios
 from jaxsusp.tensions import tensions
+from jaxsusp.workspace import Workspace, workspace
 
 __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     # what a person states
@@ -45,6 +46,8 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "tensions",
     "equilibrium",
     "Hanging",
+    "workspace",
+    "Workspace",
     "FitnessTerms",
     "Problem",
     # optimisers
