@@ -22,7 +22,7 @@ HOOK_SPACING, SEPARATE_SPACING = 0.1, 0.25
 """Default spacing (m); with separate attachments every cell costs an equilibrium."""
 
 _MOST = 5_000_000
-_BATCH = 4096  # equilibria at a time
+_BATCH = 1024  # equilibria at a time
 
 
 @dataclass(frozen=True, eq=False)

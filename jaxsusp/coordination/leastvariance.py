@@ -148,11 +148,11 @@ def _explain(found: _Found) -> Coordination:
     return Coordination(
         not reason,
         reason,
-        chosen.ends,
-        chosen.lengths,
-        chosen.tensions,
+        np.asarray(chosen.ends),
+        np.asarray(chosen.lengths),
+        np.asarray(chosen.tensions),
         float(found.cost),
-        found.counts,
+        np.asarray(found.counts),
     )
 
 
@@ -250,7 +250,7 @@ def best_constant(
     features: Float[Array, "samples joint q"], feasible: Bool[Array, "samples joint"]
 ) -> tuple[Int[Array, ""], Float[Array, ""]]:
     """The candidate of least total among those that are feasible at every step."""
-    always = feasible.all(axis=0)
+    always = jnp.all(feasible, axis=0)
     cost = step_costs(features, feasible & always[None])
     change = ((features[1:] - features[:-1]) ** 2).sum(axis=(0, 2))
     total = jnp.where(always, jnp.where(feasible, cost, 0).sum(axis=0) + change, jnp.inf)

@@ -30,13 +30,12 @@ def slices(space: Workspace) -> Figure:
     task = np.array([space.scenario.task.start, space.scenario.task.goal])
     middle = task.mean(axis=0)
     heights = _spread(task[0, 2], middle[2], task[1, 2], space.axes[2])
-    for axes, height in zip(grid[0], heights, strict=True):
-        image = _slice(axes, space, 2, height, (0, 1))
+    cuts = [(2, height, (0, 1)) for height in heights]
     across = 1 if np.ptp(task[:, 0]) >= np.ptp(task[:, 1]) else 0  # look along the shorter way
     places = _spread(task[0, across], middle[across], task[1, across], space.axes[across])
-    for axes, place in zip(grid[1], places, strict=True):
-        image = _slice(axes, space, across, place, (1 - across, 2))
-    bar = figure.colorbar(image, ax=grid, shrink=0.7, aspect=30, pad=0.015)
+    cuts += [(across, place, (1 - across, 2)) for place in places]
+    images = [_slice(axes, space, *cut) for axes, cut in zip(grid.flat, cuts, strict=True)]
+    bar = figure.colorbar(images[0], ax=grid, shrink=0.7, aspect=30, pad=0.015)
     bar.set_label("margin of the tensions to their limits", fontsize=10, color=INK)
     bar.outline.set_edgecolor(QUIET)
     bar.ax.tick_params(color=QUIET, labelcolor=INK, labelsize=9)
