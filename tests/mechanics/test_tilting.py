@@ -80,12 +80,12 @@ def test_the_estimate_of_searches_is_close_to_the_equilibrium_and_never_low():
 def test_a_search_counts_samples_at_which_the_load_turns_too_far():
     scenario = js.load_scenario("rim")
     terms = jax.jit(lambda suspension, x: suspension.terms(x))
-    problem = js.Problem.from_scenario(scenario, samples=9)
+    problem = js.Problem.from_scenario(scenario, samples=9, search="box")
     line = np.linspace(scenario.task.start, scenario.task.goal, 7)[1:-1].ravel()
     assert int(terms(problem.fitness, line).violations) == 0
     tight = scenario.limits.model_copy(update={"posture_deg": 3.0})
     narrow = scenario.model_copy(update={"limits": tight})
-    problem = js.Problem.from_scenario(narrow, samples=9)
+    problem = js.Problem.from_scenario(narrow, samples=9, search="box")
     where = trajectory(build_world(narrow), jnp.asarray(line), 9).to_array()
     turned = np.rad2deg(js.equilibrium(narrow, np.asarray(where)).turn) > 3.0
     assert 0 < turned.sum() < 9
