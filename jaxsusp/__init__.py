@@ -14,6 +14,7 @@ from jaxsusp.errors import InputError
 from jaxsusp.fitness import FitnessTerms
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.space import FreeSpace, load_free_space
+from jaxsusp.hanging import Hanging, equilibrium
 from jaxsusp.minimize import Result, minimize
 from jaxsusp.optim.base import Best, NoInfo, Optimizer
 from jaxsusp.optim.dbo import dbo
@@ -25,15 +26,17 @@ from jaxsusp.problem import Problem
 from jaxsusp.results import append as append_results
 from jaxsusp.results import load as load_results
 from jaxsusp.results import save as save_results
-from jaxsusp.scenario import Scenario, ScenarioError, load_scenario, scenarios
+from jaxsusp.scenario import Scenario, ScenarioError, examples, load_scenario, scenarios
 from jaxsusp.studies.random_scenario import random_scenario
 from jaxsusp.tensions import tensions
+from jaxsusp.workspace import Workspace, workspace
 
 __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     # what a person states
     "Scenario",
     "load_scenario",
     "scenarios",
+    "examples",
     "random_scenario",
     "InputError",
     "ScenarioError",
@@ -43,6 +46,10 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "load_free_space",
     # mechanics and fitness
     "tensions",
+    "equilibrium",
+    "Hanging",
+    "workspace",
+    "Workspace",
     "FitnessTerms",
     "Problem",
     # optimisers

@@ -17,6 +17,7 @@ import numpy as np
 from jaxsusp._messages import numbered, sentence
 from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.mechanics.arm import reach, reachable, shoulder_distance
+from jaxsusp.mechanics.graspmap import rank
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import World, build_world
 
@@ -29,7 +30,7 @@ _count = jax.jit(count_collisions)
 def inadmissible(scenario: "Scenario") -> list[str]:
     """What makes a scenario unusable, one line per problem; empty for an admissible one."""
     checks = (_unreachable, _crowded, _outside, _not_below, _not_between, _in_contact)
-    contradictions = list(_contradictory(scenario))
+    contradictions = [*_contradictory(scenario)] or [*_never_level(scenario)]
     return contradictions or [line for check in checks for line in check(scenario)]
 
 
@@ -51,6 +52,23 @@ def _contradictory(scenario: "Scenario") -> Iterator[str]:
         wrong = f"has {len(joints)} entries for {robots} robots"
         remedy = "give three [low, high] pairs per robot, or once for all"
         yield sentence("limits.joint_limits_deg", joints, wrong, remedy)
+
+
+def _never_level(scenario: "Scenario") -> Iterator[str]:
+    """Attachments from which the load cannot hang as planned, wherever it is."""
+    payload = scenario.payload
+    if payload.attachments == "hook":
+        x, y, z = payload.center_of_mass
+        if x != 0 or y != 0 or z >= payload.height / 2:
+            wrong = "is not straight below the hook, so the load would tilt or turn over"
+            remedy = "give [0, 0, z] below half the height, or one attachment per cable"
+            yield sentence("payload.center_of_mass", payload.center_of_mass, wrong, remedy)
+    elif (found := rank(np.array(payload.attachments))) < 6:
+        line = "on one line" if found > 3 else "at one point"
+        wrong = f"are all {line}, about which nothing holds the load"
+        yield sentence(
+            "payload.attachments", payload.attachments, wrong, 'spread them, or give "hook"'
+        )
 
 
 def _unreachable(scenario: "Scenario") -> Iterator[str]:

@@ -3,9 +3,10 @@
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Int
+from jaxsusp.mechanics.cables import component
 from jaxsusp.mechanics.stability import stability, stability_factors
-from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World
+from jaxsusp.vec3 import Vec3, norm
+from jaxsusp.world import Limits, World
 
 WORKSPACE_TOLERANCE = 1e-3
 """m by which a sample may lie outside the workspace before it counts."""
@@ -13,6 +14,7 @@ WORKSPACE_TOLERANCE = 1e-3
 # In float32 the limits are drawn in by a little more than the rounding error of what they bound,
 # so that what a search finds admissible stays so when it is re-evaluated in float64.
 SINGLE_PRECISION_TENSION = 1e-3  # N
+DOUBLE_PRECISION_TENSION = 1e-9  # N, for tensions that are put exactly at their limit
 SINGLE_PRECISION_LENGTH = 1e-4  # m
 SINGLE_PRECISION_STABILITY = 1e-5
 
@@ -23,6 +25,7 @@ def count_violations(
     lengths: list[Array],
     tensions: list[Array],
     with_stability: bool,
+    ends: Vec3 | None = None,
 ) -> Int[Array, "*batch"]:
     """Number n_g of violated limits: per (sample, cable) for tension and length, else per sample.
 
@@ -34,14 +37,14 @@ def count_violations(
         lengths: l_k (m), each of the shape of the position's components.
         tensions: T_k (N), likewise.
         with_stability: whether to check S_c >= S_cmin at all (it costs four cube roots a sample).
+        ends: P_k packed along the first axis (m), where they are not the world's own.
     """
     limits = world.limits
     single = position.x.dtype == jnp.float32
     margin = SINGLE_PRECISION_LENGTH if single else 0.0
-    tension_margin = SINGLE_PRECISION_TENSION if single else 0.0
+    tight = _drawn_in(limits, SINGLE_PRECISION_TENSION if single else 0.0)
     violated = jnp.zeros(position.x.shape, jnp.int32)
     for length, tension in zip(lengths, tensions, strict=True):
-        tight = limits.tension_low + tension_margin, limits.tension_high - tension_margin
         violated += _count(~_within(tension, *tight))
         violated += _count(
             ~_within(length, limits.length_low + margin, limits.length_high - margin)
@@ -55,23 +58,66 @@ def count_violations(
     if with_stability:
         extra = SINGLE_PRECISION_STABILITY if single else 0.0
         needed = jnp.where(limits.stability > 0, limits.stability + extra, 0)  # 0 is no limit
-        violated += _count(~(stability_of(world, position, tensions) >= needed))
+        violated += _count(~(stability_of(world, position, tensions, ends) >= needed))
     return violated.sum(axis=0)
 
 
-def stability_of(world: World, position: Vec3, tensions: list[Array]) -> Array:
+def tight_tension_limits(limits: Limits, dtype) -> tuple[Array, Array]:
+    """T_lo, T_hi (N) for distributing tensions: rounding then carries none beyond what is counted.
+
+    In float32 twice as far inside as the limits that are counted there.
+    """
+    single = dtype == jnp.float32
+    return _drawn_in(limits, 2 * SINGLE_PRECISION_TENSION if single else DOUBLE_PRECISION_TENSION)
+
+
+def count_turned(world: World, turn: Array) -> Int[Array, "*batch"]:
+    """Number of samples at which the load turns further than the posture limit."""
+    return _count(~(turn <= world.limits.posture)).sum(axis=0)
+
+
+def count_misplaced(world: World, ends: Vec3, drive: str) -> Int[Array, "*batch"]:
+    """Number of violations of moving ends: out of the arm's reach, or too close to another end.
+
+    Args:
+        world: robots and limits.
+        ends: P_k, (K, samples, …) (m).
+        drive: the mode that moves them; bases that roll keep their arm as it is.
+    """
+    robots, margin = world.robots, SINGLE_PRECISION_LENGTH
+    margin = margin if ends.x.dtype == jnp.float32 else 0.0
+    misplaced = jnp.zeros(ends.x.shape[1:], jnp.int32)
+    for k in range(world.cables):
+        end = component(ends, k)
+        if drive != "base":
+            distance = norm(end - component(robots.shoulder, k))
+            least, most = robots.nearest[k] + margin, robots.farthest[k] - margin
+            misplaced += _count(~_within(distance, least, most))
+        for other in range(k):
+            apart = norm(end - component(ends, other))
+            misplaced += _count(~(apart >= world.limits.separation + margin))
+    return misplaced.sum(axis=0)
+
+
+def stability_of(
+    world: World, position: Vec3, tensions: list[Array], ends: Vec3 | None = None
+) -> Array:
     """S_c at load positions with known tensions (Eq. 18)."""
     bodies, limits = world.bodies, world.limits
     hook = position + bodies.attachments.each(lambda c: c.mean(axis=0))
     factors = stability_factors(
         hook,
-        bodies.ends,
+        bodies.ends if ends is None else ends,
         tensions,
         position.z,
         world.lower.z,
         (limits.tension_low, limits.tension_high),
     )
     return stability(factors)
+
+
+def _drawn_in(limits: Limits, margin: float) -> tuple[Array, Array]:
+    return jnp.asarray(limits.tension_low) + margin, jnp.asarray(limits.tension_high) - margin
 
 
 def _within(value: Array, low: Array, high: Array) -> Array:

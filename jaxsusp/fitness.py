@@ -12,10 +12,18 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
-from jaxsusp.constraints import count_violations, stability_of
+from jaxsusp.constraints import (
+    count_misplaced,
+    count_turned,
+    count_violations,
+    stability_of,
+    tight_tension_limits,
+)
 from jaxsusp.geometry.collisions import count_collisions
-from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
-from jaxsusp.mechanics.statics import hook_tensions, weight
+from jaxsusp.mechanics.cables import cable_lengths, cable_vectors, component
+from jaxsusp.mechanics.drives import Anchors, ends_along, moving
+from jaxsusp.mechanics.statics import force_tensions, weight
+from jaxsusp.mechanics.tilting import estimated_turn
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.vec3 import Vec3, norm
 from jaxsusp.world import World
@@ -56,24 +64,54 @@ def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec
     return Vec3(*(coordinate(world.start[i], waypoints[:, i], world.goal[i]) for i in range(3)))
 
 
-def tensions_at(world: World, position: Vec3) -> tuple[list[Array], list[Array]]:
-    """Cable lengths l_k (m) and static tensions T_k (N) at load positions of any shape."""
-    vectors = cable_vectors(position, world.bodies.attachments, world.bodies.ends)
+def ends_at(world: World, position: Vec3, drive: str) -> Vec3:
+    """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode (§1)."""
+    anchors = Anchors(world.start, world.bodies.attachments, world.bodies.ends)
+    return ends_along(drive, position, anchors)
+
+
+def tensions_at(
+    world: World, position: Vec3, ends: Vec3 | None = None
+) -> tuple[list[Array], list[Array]]:
+    """Cable lengths l_k (m) and static tensions T_k (N) of the level load at any positions.
+
+    Args:
+        world: attachments, mass and limits.
+        position: the load's centre (m).
+        ends: P_k packed along the first axis (m), where they are not the world's own.
+    """
+    ends = world.bodies.ends if ends is None else ends
+    vectors = cable_vectors(position, world.bodies.attachments, ends)
     lengths = cable_lengths(vectors)
-    return lengths, hook_tensions(vectors, lengths, weight(world.mass))
+    limits = tight_tension_limits(world.limits, position.x.dtype)
+    return lengths, force_tensions(vectors, lengths, weight(world.mass), limits)
+
+
+def turn_at(world: World, position: Vec3, tensions: list[Array]) -> Float[Array, "..."]:
+    """How far (rad) a load with separate attachments and fixed ends turns, to first order."""
+    bodies = world.bodies
+    vectors = cable_vectors(position, bodies.attachments, bodies.ends)
+    units = [vector * (1 / norm(vector)) for vector in vectors]
+    arms = [component(bodies.attachments, k) - world.center_of_mass for k in range(len(units))]
+    return estimated_turn(arms, units, tensions)
 
 
 def waypoint_stability(
-    world: World, x: Float[Array, "dim *batch"]
+    world: World, x: Float[Array, "dim *batch"], drive: str = "cable"
 ) -> Float[Array, "waypoints *batch"]:
     """S_c of every waypoint of a decision vector (Eq. 18)."""
     waypoints = x.reshape(-1, 3, *x.shape[1:])
     position = Vec3(*(waypoints[:, i] for i in range(3)))
-    return stability_of(world, position, tensions_at(world, position)[1])
+    ends = ends_at(world, position, drive)
+    return stability_of(world, position, tensions_at(world, position, ends)[1], ends)
 
 
 def fitness_terms(
-    world: World, x: Float[Array, "dim *batch"], samples: int, with_stability: bool = False
+    world: World,
+    x: Float[Array, "dim *batch"],
+    samples: int,
+    with_stability: bool = False,
+    drive: str = "cable",
 ) -> FitnessTerms:
     """All terms of Eq. 21 for the trajectory through the waypoints of x.
 
@@ -82,11 +120,17 @@ def fitness_terms(
         x: decision vector, m; trailing axes are batch.
         samples: number of trajectory samples n.
         with_stability: whether S_cmin is checked among the violations.
+        drive: how the ends follow the load, see `mechanics.drives`.
     """
     position = trajectory(world, x, samples)
-    lengths, tensions = tensions_at(world, position)
-    collisions = count_collisions(position, world.bodies, world.obstacles)
-    violations = count_violations(world, position, lengths, tensions, with_stability)
+    ends = ends_at(world, position, drive)
+    lengths, tensions = tensions_at(world, position, ends)
+    collisions = count_collisions(position, world.bodies._replace(ends=ends), world.obstacles)
+    violations = count_violations(world, position, lengths, tensions, with_stability, ends)
+    if moving(drive):
+        violations += count_misplaced(world, ends, drive)
+    elif world.bodies.attachments.x.shape[0] > 1:
+        violations += count_turned(world, turn_at(world, position, tensions))
     step = position.each(_difference)
     interval = world.duration / (samples - 1)
     terms = (

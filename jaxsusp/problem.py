@@ -33,10 +33,12 @@ class Suspension:
     world: World
     samples: int = field(metadata={"static": True})
     with_stability: bool = field(metadata={"static": True})
+    drive: str = field(default="cable", metadata={"static": True})
 
     def terms(self, x: Float[Array, "dim *batch"]) -> FitnessTerms:
         """All terms of Eq. 21 in the dtype of x; trailing axes of x are batch."""
-        return fitness_terms(cast_world(self.world, x.dtype), x, self.samples, self.with_stability)
+        world = cast_world(self.world, x.dtype)
+        return fitness_terms(world, x, self.samples, self.with_stability, self.drive)
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """Total fitness of one decision vector."""
@@ -48,7 +50,7 @@ class Suspension:
 
     def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"]:
         """S_c of every waypoint of every candidate (Eq. 18)."""
-        return waypoint_stability(cast_world(self.world, x.dtype), x.T).T
+        return waypoint_stability(cast_world(self.world, x.dtype), x.T, self.drive).T
 
 
 @jax.jit  # inside the outer program: an optimiser evaluates several times and traces this once
@@ -153,21 +155,21 @@ class Problem:
             space: the scenario's free space if it is at hand; default `jaxsusp.free_space` of it.
 
         Raises:
-            InputError: too few waypoints or samples, an unknown search rule, a system whose
-                static balance is not that of a hook with three cables, or no collision-free route
-                where the search is confined to the free space.
+            InputError: too few waypoints or samples, an unknown search rule, a suspension that
+                planning cannot handle (see `require_plannable`), or no collision-free route where
+                the search is confined to the free space.
         """
         require_count("waypoints", waypoints)
         require_count("samples", samples, least=3)  # fewer define no curvature
         require_known("search", search, SEARCHES)
-        require_hook_with_three_cables(scenario)
+        require_plannable(scenario)
         dtype = dtype or jnp.zeros(()).dtype
         world = build_world(scenario) if world is None else world
         if with_stability is None:
             with_stability = scenario.limits.stability > 0
         line = np.linspace(scenario.task.start, scenario.task.goal, waypoints + 2)[1:-1]
         return cls(
-            Suspension(world, samples, with_stability),
+            Suspension(world, samples, with_stability, scenario.drive),
             np.tile(np.asarray(scenario.workspace.lower, dtype), waypoints),
             np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
             line.reshape(-1),
@@ -290,10 +292,21 @@ def _is_pytree(value: Any) -> bool:
     return not jax.tree_util.all_leaves([value])
 
 
-def require_hook_with_three_cables(scenario: Scenario) -> None:
-    """Refuse systems whose static balance is not that of three cables at one hook."""
-    if scenario.payload.attachments != "hook" or len(scenario.robots) != 3:
+def require_plannable(scenario: Scenario) -> None:
+    """Refuse separate attachments but for three cables with fixed ends.
+
+    With more of them a position does not say which of many postures and tensions is meant; with
+    moving ends the load is level only where the ends balance it, see `mechanics.graspmap`.
+    """
+    if scenario.payload.attachments == "hook":
+        return
+    if len(scenario.robots) != 3:
         raise InputError(
-            f'{scenario.name}: planning needs payload.attachments = "hook" and three robots, '
-            f"got {len(scenario.robots)} robots and attachments {scenario.payload.attachments!r}"
+            f"{scenario.name}: planning with separate payload.attachments needs three robots, got "
+            f'{len(scenario.robots)}; give three, or attachments = "hook"'
+        )
+    if scenario.drive != "cable":
+        raise InputError(
+            f'{scenario.name}: drive = "{scenario.drive}" with separate payload.attachments '
+            'cannot be planned; give drive = "cable", or attachments = "hook"'
         )

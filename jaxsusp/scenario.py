@@ -41,7 +41,7 @@ from jaxsusp._toml import dumps
 from jaxsusp.admissible import inadmissible
 from jaxsusp.geometry.meshes import MeshError, bounding_box
 
-_BUILT_IN = Path(__file__).parent / "data" / "scenarios"
+_DATA = Path(__file__).parent / "data"
 
 Attachments = Annotated[
     Annotated[Literal["hook"], Tag("hook")] | Annotated[tuple[Point, ...], Tag("list")],
@@ -285,18 +285,29 @@ class Scenario(_Section):
 
 def scenarios() -> tuple[str, ...]:
     """Names of the built-in benchmark scenarios."""
-    return tuple(sorted(path.stem for path in _BUILT_IN.glob("*.toml")))
+    return tuple(_built_in("scenarios"))
+
+
+def examples() -> tuple[str, ...]:
+    """Names of the other built-in scenarios: more robots, other drive modes and attachments."""
+    return tuple(_built_in("examples"))
 
 
 def load_scenario(name_or_path: str | os.PathLike[str]) -> Scenario:
-    """Load a built-in scenario by its name, or any scenario from its TOML file.
+    """Load a built-in scenario or example by its name, or any scenario from its TOML file.
 
     Raises:
         ScenarioError: no such scenario, an unreadable file, or one line per problem in it.
     """
     given = os.fspath(name_or_path)
-    path = _BUILT_IN / f"{given}.toml" if given in scenarios() else Path(given)
+    built_in = {**_built_in("scenarios"), **_built_in("examples")}
+    path = built_in.get(given, Path(given))
     return Scenario.from_toml(_read(path), path)
+
+
+def _built_in(folder: str) -> dict[str, Path]:
+    """Built-in files by name, in order."""
+    return {path.stem: path for path in sorted((_DATA / folder).glob("*.toml"))}
 
 
 def _read(path: Path) -> str:
@@ -317,7 +328,7 @@ def _read(path: Path) -> str:
 
 
 def _not_found(path: Path) -> str:
-    near = difflib.get_close_matches(path.name, scenarios(), n=1)
+    near = difflib.get_close_matches(path.name, (*scenarios(), *examples()), n=1)
     hint = f'did you mean "{near[0]}"? ' if near else ""
     return (
         f"{path}: is neither a file nor a built-in scenario; {hint}"

@@ -60,7 +60,8 @@ def stack_scenarios(
     """
     groups: dict[tuple, list[Scenario]] = {}
     for scenario in scenarios:
-        shape = (len(scenario.robots), scenario.payload.attachments == "hook")
+        hook = scenario.payload.attachments == "hook"
+        shape = (len(scenario.robots), hook, scenario.drive)
         groups.setdefault(shape, []).append(scenario)
 
     def stack(members: list[Scenario]) -> Group:

@@ -5,6 +5,7 @@ that worlds of equal robot and (padded) obstacle counts stack and one compiled p
 all. Host code builds it in float64; the fitness casts it to the dtype of its argument.
 """
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,6 +17,8 @@ from jaxsusp._types import Array, Float
 from jaxsusp.geometry.collisions import Bodies
 from jaxsusp.geometry.meshes import bounding_box
 from jaxsusp.geometry.obstacles import Obstacles, pack
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.mechanics.tilting import attachment_motion, warning_half_extents
 from jaxsusp.vec3 import Vec3
 
 if TYPE_CHECKING:
@@ -23,13 +26,32 @@ if TYPE_CHECKING:
 
 
 class Limits(NamedTuple):
-    """The bounds of Eq. 22 that the fitness counts (N, m, 1)."""
+    """The bounds of Eq. 22 that the fitness counts (N, m, 1, rad)."""
 
     tension_low: Float[Array, ""]
     tension_high: Float[Array, ""]
     length_low: Float[Array, ""]
     length_high: Float[Array, ""]
     stability: Float[Array, ""]
+    posture: Float[Array, ""]
+    separation: Float[Array, ""]
+
+
+class Robots(NamedTuple):
+    """What of the arms decides where their ends may be (m)."""
+
+    base: Vec3
+    shoulder: Vec3  # top of the column
+    nearest: Float[Array, "*stack cables"]  # least distance of the end from the shoulder
+    farthest: Float[Array, "*stack cables"]
+
+
+class Shape(NamedTuple):
+    """Half-extents of what must stay clear of obstacles, the load's posture limit included (m)."""
+
+    radius: float
+    half_height: float
+    cable_radius: float
 
 
 class World(NamedTuple):
@@ -46,6 +68,8 @@ class World(NamedTuple):
     duration: Float[Array, ""]
     weights: Float[Array, "terms"]
     kappa: Float[Array, ""]
+    center_of_mass: Vec3  # from the payload's centre
+    robots: Robots
 
     @property
     def cables(self) -> int:
@@ -68,10 +92,11 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
         if payload.attachments == "hook"
         else np.asarray(payload.attachments, np.float64)
     )
+    shape = warning_shape(scenario)
     bodies = Bodies(
-        radius=_scalar(payload.radius),
-        half_height=_scalar(payload.height / 2),
-        cable_radius=_scalar(limits.cable_radius),
+        radius=_scalar(shape.radius),
+        half_height=_scalar(shape.half_height),
+        cable_radius=_scalar(shape.cable_radius),
         clearance=_scalar(limits.clearance),
         attachments=_vector(attachments),
         ends=_vector([robot.end for robot in robots]),
@@ -84,12 +109,30 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
         upper=_vector(scenario.workspace.upper),
         bodies=bodies,
         obstacles=pack(*rows, counts=counts or obstacle_counts([scenario])),
-        limits=Limits(*map(_scalar, (*limits.tension, *limits.cable_length, limits.stability))),
+        limits=_limits(limits),
         mass=_scalar(payload.mass),
         duration=_scalar(scenario.task.duration),
         weights=np.asarray(scenario.fitness.weights, np.float64),
         kappa=_scalar(scenario.fitness.kappa),
+        center_of_mass=_vector(payload.center_of_mass),
+        robots=_robots(robots),
     )
+
+
+def warning_shape(scenario: "Scenario") -> Shape:
+    """Payload and cables as planning sees them, before clearance.
+
+    At a hook, and where movable ends keep it level, the load is as given. With separate
+    attachments and fixed ends it turns, by up to the posture limit: load and cables then take the
+    room of everything that such a turn can reach.
+    """
+    payload, limits = scenario.payload, scenario.limits
+    if payload.attachments == "hook" or moving(scenario.drive):
+        return Shape(payload.radius, payload.height / 2, limits.cable_radius)
+    turn = math.radians(limits.posture_deg)
+    farthest = max(math.hypot(*attachment) for attachment in payload.attachments)
+    wide, high = warning_half_extents(payload.radius, payload.height, turn)
+    return Shape(wide, high, limits.cable_radius + attachment_motion(farthest, turn))
 
 
 def cast_world(world: World, dtype) -> World:
@@ -100,6 +143,20 @@ def cast_world(world: World, dtype) -> World:
         return leaf if leaf.dtype == bool else jnp.asarray(leaf, dtype)
 
     return jax.tree.map(cast, world)
+
+
+def _limits(limits) -> Limits:
+    turn = math.radians(limits.posture_deg)
+    numbers = (*limits.tension, *limits.cable_length, limits.stability, turn, limits.separation)
+    return Limits(*map(_scalar, numbers))
+
+
+def _robots(robots) -> Robots:
+    links = np.array([robot.links for robot in robots], np.float64)
+    base = np.array([robot.base for robot in robots], np.float64)
+    shoulder = base + links[:, :1] * np.array([0.0, 0.0, 1.0])
+    _, a2, a3 = links.T
+    return Robots(_vector(base), _vector(shoulder), np.abs(a2 - a3), a2 + a3)
 
 
 def _vector(rows) -> Vec3:

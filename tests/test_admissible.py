@@ -136,6 +136,29 @@ def test_the_attachments_must_be_as_many_as_the_robots():
     ]
 
 
+@pytest.mark.parametrize(
+    ("attachments", "where"),
+    [
+        ("[[0, 0.1, 0.1], [0, 0, 0.1], [0, -0.2, 0.1]]", "on one line"),
+        ("[[0.1, 0, 0.1], [0.1, 0, 0.1], [0.1, 0, 0.1]]", "at one point"),
+    ],
+)
+def test_attachments_on_one_line_are_refused(attachments, where):
+    assert complaints(payload=f"attachments = {attachments}") == [
+        f"payload.attachments are all {where}, about which nothing holds the load; "
+        'spread them, or give "hook"'
+    ]
+
+
+@pytest.mark.parametrize("center", ["[0.01, 0.0, 0.0]", "[0.0, -0.2, -0.1]", "[0.0, 0.0, 0.2]"])
+def test_a_hook_that_is_not_straight_above_the_centre_of_mass_is_refused(center):
+    assert complaints(payload=f"center_of_mass = {center}") == [
+        f"payload.center_of_mass = {center} is not straight below the hook, so the load would "
+        "tilt or turn over; give [0, 0, z] below half the height, or one attachment per cable"
+    ]
+    assert loads(payload="center_of_mass = [0, 0, -0.1]")
+
+
 def test_joint_limits_are_given_once_or_per_robot():
     triple = "[[0, 1], [0, 1], [0, 1]]"
     assert loads(limits=f"joint_limits_deg = [{triple}]")

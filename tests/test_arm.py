@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import jaxsusp as js
 from jaxsusp.mechanics.arm import elbow, forward, inverse, reach, reachable, shoulder_distance
 
 LINKS = jnp.array([4.0, 3.0, 2.0])
@@ -128,3 +129,16 @@ def test_no_assignment_of_the_printed_ends_to_robots_is_in_reach(table_2):
     for ends in table_2.values():
         for assignment in permutations(ends):
             assert not reachable(BASES, LINKS, jnp.array(assignment)).all()
+
+
+def test_every_printed_row_would_need_a_cable_that_pushes(table_2, scenarios):
+    """With the hook, at scenario 1's start and at its goal (spec §12)."""
+    scenario = scenarios[0]
+    places = np.array([scenario.task.start, scenario.task.goal])
+    for ends in table_2.values():
+        robots = tuple(
+            robot.model_copy(update={"end": tuple(end)})
+            for robot, end in zip(scenario.robots, ends, strict=True)
+        )
+        tensions = js.tensions(scenario.model_copy(update={"robots": robots}), places)
+        assert (np.asarray(tensions).min(axis=1) < 0).all()

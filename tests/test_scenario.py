@@ -616,13 +616,15 @@ def documents(draw):
             },
         ),
     }
+    size = {"mass": numbers(1e-3, 1e6), "radius": numbers(0.01, 2), "height": numbers(0.01, 2)}
+    below = st.tuples(st.just(0), st.just(0), numbers(-0.5, 0)).map(list)
+    rim = [[0.1 * robot["base"][0], 0.1 * robot["base"][1], 0.1] for robot in robots]
     required = {
         "payload": st.fixed_dictionaries(
-            {"mass": numbers(1e-3, 1e6), "radius": numbers(0.01, 2), "height": numbers(0.01, 2)},
-            optional={
-                "attachments": st.just("hook") | st.just([[0, 0, 0.1]] * count),
-                "center_of_mass": points(-0.5, 0.5),
-            },
+            {**size, "attachments": st.just("hook")}, optional={"center_of_mass": below}
+        )
+        | st.fixed_dictionaries(
+            {**size, "attachments": st.just(rim)}, optional={"center_of_mass": points(-0.5, 0.5)}
         ),
         "task": st.fixed_dictionaries(
             {"start": place, "goal": place}, optional={"duration": numbers(0.1, 1e6)}

@@ -1,19 +1,29 @@
 """`jaxsusp scenarios` and `jaxsusp algorithms`."""
 
+from typing import Annotated
+
+import typer
+
 from jaxsusp.cli.application import Json, app, print_rows
 from jaxsusp.optim.registry import ALGORITHMS, describe
-from jaxsusp.scenario import load_scenario
+from jaxsusp.scenario import examples, load_scenario
 from jaxsusp.scenario import scenarios as built_in
 
 
 @app.command(epilog="Example: jaxsusp scenarios --json")
-def scenarios(as_json: Json = False) -> None:
-    """List the built-in scenarios."""
-    found = [load_scenario(name) for name in built_in()]
+def scenarios(
+    others: Annotated[
+        bool, typer.Option("--examples", help="The other built-in scenarios instead.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """List the benchmark scenarios, or the examples of other robots, drives and attachments."""
+    found = [load_scenario(name) for name in (examples() if others else built_in())]
     rows = [
         {
             "scenario": each.name,
             "robots": len(each.robots),
+            "drive": each.drive,
             "obstacles": len(each.obstacles),
             "start": list(each.task.start),
             "goal": list(each.task.goal),

@@ -22,7 +22,9 @@ from jaxsusp.errors import InputError
 from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points, nearest_point
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
 from jaxsusp.geometry.meshes import bounding_box, hull_points
+from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario import Scenario
+from jaxsusp.world import warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
@@ -37,6 +39,9 @@ _SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
 def bodies_of(scenario: Scenario) -> list[Body]:
     """Inflated obstacles for the load, and a shadow of every obstacle per cable.
 
+    Where the ends move, a load position does not say where the cables are: only the load's own
+    bodies are left, and the search counts contacts of the cables.
+
     Raises:
         InputError: the upper end of a cable lies in an obstacle's warning area.
     """
@@ -48,17 +53,20 @@ def bodies_of(scenario: Scenario) -> list[Body]:
 
 
 def obstacle_bodies(scenario: Scenario, obstacle: Any, name: str) -> list[Body]:
-    """One obstacle of a scenario inflated for the load, and its shadow per cable.
+    """One obstacle of a scenario inflated for the load and, where ends are fixed, its shadows.
 
     Raises:
         InputError: the upper end of a cable lies in the obstacle's warning area.
     """
-    clear = scenario.limits.clearance + MARGIN
-    across, up = scenario.payload.radius + clear, scenario.payload.height / 2 + clear
-    thin = scenario.limits.cable_radius + clear
-    around_load = _inflated(obstacle, across, up, ball=False)
+    shape, clear = warning_shape(scenario), scenario.limits.clearance + MARGIN
+    across, up, thin = (
+        size + clear for size in (shape.radius, shape.half_height, shape.cable_radius)
+    )
+    around_load = Body.hull(f"{name} (load)", _inflated(obstacle, across, up, ball=False))
+    if moving(scenario.drive):
+        return [around_load]
     around_cable = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
-    return [Body.hull(f"{name} (load)", around_load), *_shadows(scenario, around_cable)]
+    return [around_load, *_shadows(scenario, around_cable)]
 
 
 def domain_of(scenario: Scenario) -> HalfSpaces:
@@ -68,7 +76,7 @@ def domain_of(scenario: Scenario) -> HalfSpaces:
     the convex hull of the ends: for ends of one height, iff it is inside their polygon (spec §3).
     """
     workspace = HalfSpaces.box(*map(np.array, (scenario.workspace.lower, scenario.workspace.upper)))
-    if scenario.payload.attachments != "hook":
+    if scenario.payload.attachments != "hook" or moving(scenario.drive):
         return workspace
     taut = _below(np.array([robot.end for robot in scenario.robots]))
     hook = np.array([0.0, 0.0, scenario.payload.height / 2])

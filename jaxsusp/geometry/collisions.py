@@ -17,6 +17,7 @@ from jaxsusp.geometry.segments import (
     segment_meets_cylinder,
     segment_meets_sphere,
 )
+from jaxsusp.mechanics.cables import attachment, component
 from jaxsusp.vec3 import Vec3, cross, dot
 
 SINGLE_PRECISION_MARGIN = 1e-4
@@ -25,14 +26,14 @@ stays clear in float64 (spec §9)."""
 
 
 class Bodies(NamedTuple):
-    """What must stay clear: the upright payload and K cables with fixed upper ends (m)."""
+    """What must stay clear: the upright payload and K cables (m)."""
 
     radius: Float[Array, ""]
     half_height: Float[Array, ""]
     cable_radius: Float[Array, ""]
     clearance: Float[Array, ""]
     attachments: Vec3  # one entry for a common hook, else K, relative to the centre of mass
-    ends: Vec3  # K upper cable ends
+    ends: Vec3  # K upper cable ends; where they move, (K, samples, …)
 
 
 class Motion(NamedTuple):
@@ -99,12 +100,14 @@ def _with_box(box: Boxes, motion: Motion, bodies: Bodies) -> Array:
     thin = bodies.cable_radius + bodies.clearance
     half = box.half + Vec3(thin, thin, thin)
     middle, step = 0.5 * (start + stop), stop - start
-    swept = half + 0.5 * step.abs()
-    for attachment, end in _cables(bodies):
-        hook, end_own = middle + box.turn(attachment), box.to_own_frame(end)
-        normal = cross(step, end_own - hook)
-        cut = jnp.abs(dot(normal, end_own)) <= dot(normal.abs(), half)
-        total += (segment_meets_box(hook, end_own, swept) & cut).astype(jnp.int32)
+    for cable in _cables(bodies):
+        hook, end_own = middle + box.turn(cable.attachment), box.to_own_frame(cable.end)
+        end_step = box.turn(cable.step) if cable.step else None
+        met = segment_meets_box(hook, end_own, half + 0.5 * _larger(step, end_step))
+        if end_step is None:  # the swept cable lies in one plane
+            normal = cross(step, end_own - hook)
+            met &= jnp.abs(dot(normal, end_own)) <= dot(normal.abs(), half)
+        total += met.astype(jnp.int32)
     return total
 
 
@@ -120,16 +123,19 @@ def _with_cylinder(cylinder: Cylinders, motion: Motion, bodies: Bodies) -> Array
     thin = bodies.cable_radius + bodies.clearance
     radius, half_height = cylinder.radius + thin, cylinder.half_height + thin
     middle, step = motion.middle - cylinder.center, motion.step
-    swept_radius = radius + motion.half_step_xy
-    swept_height = half_height + 0.5 * jnp.abs(step.z)
-    for attachment, end in _cables(bodies):
-        hook, end_own = middle + attachment, end - cylinder.center
-        normal = cross(step, end_own - hook)
-        beyond_caps = jnp.abs(dot(normal, end_own)) - jnp.abs(normal.z) * half_height
-        beside = beyond_caps**2 <= (normal.x**2 + normal.y**2) * radius**2
-        cut = (beyond_caps <= 0) | beside
+    for cable in _cables(bodies):
+        hook, end_own = middle + cable.attachment, cable.end - cylinder.center
+        swept_radius, swept_height = radius + motion.half_step_xy, half_height
+        swept_height += 0.5 * _larger(step, cable.step).z
+        if cable.step:
+            swept_radius = radius + jnp.maximum(motion.half_step_xy, 0.5 * _level(cable.step))
         met = segment_meets_cylinder(hook, end_own, swept_radius, swept_height)
-        total += (met & cut).astype(jnp.int32)
+        if cable.step is None:
+            normal = cross(step, end_own - hook)
+            beyond_caps = jnp.abs(dot(normal, end_own)) - jnp.abs(normal.z) * half_height
+            beside = beyond_caps**2 <= (normal.x**2 + normal.y**2) * radius**2
+            met &= (beyond_caps <= 0) | beside
+        total += met.astype(jnp.int32)
     return total
 
 
@@ -143,20 +149,44 @@ def _with_sphere(sphere: Spheres, motion: Motion, bodies: Bodies) -> Array:
 
     radius = wide + bodies.cable_radius
     middle, step = motion.middle - sphere.center, motion.step
-    swept = radius + motion.half_step
-    for attachment, end in _cables(bodies):
-        hook, end_own = middle + attachment, end - sphere.center
-        normal = cross(step, end_own - hook)
-        cut = dot(normal, end_own) ** 2 <= dot(normal, normal) * radius**2
-        total += (segment_meets_sphere(hook, end_own, swept) & cut).astype(jnp.int32)
+    for cable in _cables(bodies):
+        hook, end_own = middle + cable.attachment, cable.end - sphere.center
+        half_step = motion.half_step
+        if cable.step:
+            half_step = jnp.maximum(half_step, 0.5 * jnp.sqrt(dot(cable.step, cable.step)))
+        met = segment_meets_sphere(hook, end_own, radius + half_step)
+        if cable.step is None:
+            normal = cross(step, end_own - hook)
+            met &= dot(normal, end_own) ** 2 <= dot(normal, normal) * radius**2
+        total += met.astype(jnp.int32)
     return total
 
 
+class _Cable(NamedTuple):
+    """One cable during every segment: where its upper end is in the middle, and how it moves."""
+
+    attachment: Vec3
+    end: Vec3
+    step: Vec3 | None  # None: the end stays
+
+
 def _cables(bodies: Bodies):
-    """(attachment, end) of every cable; a common hook serves them all."""
-    shared = bodies.attachments.x.shape[0] == 1
+    """Every cable; a common hook serves them all."""
     for k in range(bodies.ends.x.shape[0]):
-        yield (
-            bodies.attachments.each(lambda c, k=k: c[0 if shared else k]),
-            bodies.ends.each(lambda c, k=k: c[k]),
-        )
+        end = component(bodies.ends, k)
+        step = None
+        if end.x.ndim > 0:
+            before, after = end.each(lambda c: c[:-1]), end.each(lambda c: c[1:])
+            end, step = 0.5 * (before + after), after - before
+        yield _Cable(attachment(bodies.attachments, k), end, step)
+
+
+def _larger(step: Vec3, end_step: Vec3 | None) -> Vec3:
+    """Per axis the larger motion of a cable's two ends: no point of it moves more."""
+    if end_step is None:
+        return step.abs()
+    return Vec3(*map(jnp.maximum, step.abs(), end_step.abs()))
+
+
+def _level(step: Vec3) -> Array:
+    return jnp.sqrt(step.x**2 + step.y**2)

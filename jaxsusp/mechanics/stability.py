@@ -37,7 +37,7 @@ def stability_factors(
 
     Args:
         hook: hook position (m), any shape.
-        ends: P_k packed along the first axis (m).
+        ends: P_k packed along the first axis (m); behind it nothing, or the hook's shape.
         tensions: T_k (N), shape of the hook's components.
         load_height: z of the load's centre (m).
         floor: bottom of the workspace (m).
@@ -73,7 +73,7 @@ def polygon_gauge(point: Vec3, ends: Vec3) -> Array:
 
     Args:
         point: positions (m); only x and y matter.
-        ends: K ends packed along the first axis (m).
+        ends: K ends packed along the first axis (m); behind it nothing, or the points' shape.
     """
     x, y = ends.x, ends.y
     span_x, span_y = x[None, :] - x[:, None], y[None, :] - y[:, None]  # [i, j]: from i to j
@@ -85,8 +85,9 @@ def polygon_gauge(point: Vec3, ends: Vec3) -> Array:
     edge = (square[:, :, 0] > 0) & jnp.all((side >= 0) & ~beyond, axis=2)
 
     area = jnp.where(edge, x[:, None] * y[None, :] - y[:, None] * x[None, :], 0)
-    center_x = (area * (x[:, None] + x[None, :])).sum() / (3 * area.sum())
-    center_y = (area * (y[:, None] + y[None, :])).sum() / (3 * area.sum())
+    total = 3 * area.sum(axis=(0, 1))
+    center_x = (area * (x[:, None] + x[None, :])).sum(axis=(0, 1)) / total
+    center_y = (area * (y[:, None] + y[None, :])).sum(axis=(0, 1)) / total
 
     gauge = jnp.zeros_like(point.x)
     for i in range(x.shape[0]):

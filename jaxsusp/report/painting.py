@@ -15,7 +15,7 @@ from jaxsusp.report.solids import Camera, Solid
 
 Curve = Float[np.ndarray, "points xyz"]
 
-_HALO = [withStroke(linewidth=2.2, foreground="white")]
+HALO = [withStroke(linewidth=2.2, foreground="white")]
 
 
 def paint_solid(
@@ -66,7 +66,7 @@ def paint_label(
     """Text at a point of the scene, with a halo that keeps it legible on anything."""
     x, y = camera.project(np.asarray(point, np.float64))
     look = {"fontsize": 8, "color": INK, "ha": "center", "va": "center", "zorder": 9, **options}
-    axes.text(x, y, text, path_effects=_HALO, clip_on=True, **look)
+    axes.text(x, y, text, path_effects=HALO, clip_on=True, **look)
 
 
 def _fade(alpha: float) -> Callable:

@@ -1,0 +1,54 @@
+"""`jaxsusp workspace`: the load positions that a suspension can hold."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from jaxsusp import launch
+from jaxsusp.cli.application import Json, Named, Output, app, interrupted, note
+from jaxsusp.scenario import load_scenario
+from jaxsusp.workspace import workspace as map_workspace
+
+
+@app.command(epilog="Example: jaxsusp workspace four-robots --spacing 0.2 --output space")
+def workspace(
+    scenario: Named,
+    spacing: Annotated[
+        float | None,
+        typer.Option(help="Of the grid, in m; default 0.1, with separate attachments 0.25."),
+    ] = None,
+    output: Output = Path("results"),
+    as_json: Json = False,
+) -> None:
+    """Map where the tensions are admissible and the cables clear; write workspace.png and .csv."""
+    from jaxsusp.report.look import save
+    from jaxsusp.report.render import to_csv, to_rich
+    from jaxsusp.report.workspace import slices, volume_table
+
+    launch.configure()
+    task = load_scenario(scenario)
+    console = Console(stderr=True)
+    try:
+        with console.status("Judging positions …"):
+            space = map_workspace(task, spacing)
+            table = volume_table(space)
+            output.mkdir(parents=True, exist_ok=True)
+            files = [output / "workspace.png", output / "workspace.csv"]
+            save(slices(space), files[0])
+            to_csv(table, files[1])
+    except KeyboardInterrupt:
+        interrupted("the map was not finished.")
+    if as_json:
+        answer = {
+            "scenario": task.name,
+            "cells": list(space.clear.shape),
+            "volumes": dict(zip(table["set"], table["volume"], strict=True)),
+            "files": [str(file) for file in files],
+        }
+        print(json.dumps(answer, indent=2, allow_nan=False))
+    else:
+        Console().print(to_rich(table))
+    note(f"{len(files)} files are in {output}")

@@ -1,0 +1,1 @@
+"""Sect. 3.3: force-position coordination, where the cables' ends go."""

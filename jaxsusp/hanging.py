@@ -1,0 +1,208 @@
+"""How the load of a scenario hangs at given positions: posture, tensions, residuals, stability.
+
+This is the statics of the constraint report (Eq. 22): a finished plan asks at every sample whether
+the load is in equilibrium there, how far it turns, and whether it stays.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp._types import Array, Bool, Float
+from jaxsusp.constraints import tight_tension_limits
+from jaxsusp.errors import InputError
+from jaxsusp.fitness import ends_at
+from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.mechanics.equilibrium import CONVERGED, Equilibrium, hang
+from jaxsusp.mechanics.load import Load, Pose, angles
+from jaxsusp.mechanics.potential import is_stable, stiffness
+from jaxsusp.mechanics.redundant import hang_within
+from jaxsusp.mechanics.statics import GRAVITY, force_tensions
+from jaxsusp.scenario import Scenario
+from jaxsusp.vec3 import Vec3, cross, norm
+from jaxsusp.world import World, build_world, cast_world
+
+
+class Hanging(NamedTuple):
+    """A load at rest (or carried along with an acceleration), one entry per position."""
+
+    tensions: Float[Array, "*batch cables"]  # N
+    lengths: Float[Array, "*batch cables"]  # m
+    posture: Float[Array, "*batch xyz 3"]  # R
+    angles: Float[Array, "*batch 3"]  # α1, α2, α3, rad
+    turn: Float[Array, "*batch"]  # angle of R: how far from level, heading included, rad
+    force: Float[Array, "*batch"]  # what is missing of the balance of forces, N
+    moment: Float[Array, "*batch"]  # and of moments about the centre of mass, N m
+    stiffness: Float[Array, "*batch"]  # of the softest mode, N/m; inf if cables fix the pose
+    balanced: Bool[Array, "*batch"]
+    stable: Bool[Array, "*batch"]
+
+
+def equilibrium(
+    scenario: Scenario,
+    position: Float[Array, "*batch xyz"] | Sequence,
+    acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
+    posture: Float[Array, "xyz 3"] | Sequence | None = None,
+) -> Hanging:
+    """How the load hangs at given positions of its centre (spec §3).
+
+    At a hook it hangs level. With separate attachments and fixed ends it turns until its moments
+    balance: the posture is that of the equilibrium next to level, of three cables the six balance
+    equations' solution, of more the one within the tension limits (or the least residual).
+
+    Args:
+        scenario: ends, attachments, mass, centre of mass and limits.
+        position: payload centres, (…, 3), m.
+        acceleration: of the payload, broadcastable to `position`, m/s²; it acts as a change of
+            gravity.
+        posture: rotation matrix to start from with separate attachments; default level.
+
+    Returns:
+        A `Hanging` with the batch shape of `position`, float64 for host input, the dtype of
+        `position` for a JAX array.
+
+    Raises:
+        InputError: a tilted posture at a hook; separate attachments whose ends move.
+    """
+    hook = scenario.payload.attachments == "hook"
+    level = np.eye(3)
+    start = level if posture is None else np.asarray(posture, np.float64)
+    if start.shape != (3, 3) or not np.allclose(start @ start.T, level, atol=1e-6):
+        raise InputError(f"posture = {start.tolist()} is no rotation; give a 3×3 rotation matrix")
+    if hook and not np.allclose(start, level, atol=1e-9):
+        raise InputError(
+            f"{scenario.name}: posture is tilted, but at a hook the load hangs straight down "
+            "whatever its cables do; leave it out, or give separate payload.attachments"
+        )
+    require_fixed_ends_if_separate(scenario)
+    dtype = position.dtype if isinstance(position, jax.Array) else np.dtype(np.float64)
+    with jax.enable_x64(dtype == np.float64):
+        where = jnp.asarray(position, dtype)
+        pull = jnp.broadcast_to(jnp.asarray(acceleration, dtype), where.shape)
+        gravity = (-pull).at[..., 2].add(-GRAVITY)
+        world = cast_world(build_world(scenario), dtype)
+        flat = where.reshape(-1, 3), gravity.reshape(-1, 3)
+        find = _at_hook if hook else _turned
+        found = find(world, *flat, jnp.asarray(start, dtype), scenario.drive)
+        return jax.tree.map(lambda leaf: leaf.reshape(*where.shape[:-1], *leaf.shape[1:]), found)
+
+
+def hanging_problems(
+    scenario: Scenario,
+    position: Float[Array, "samples xyz"] | Sequence,
+    acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
+) -> list[str]:
+    """Why a load carried along these positions would not hang as planned; empty if it does.
+
+    One line per reason with the worst sample: no equilibrium, turned too far, not stable.
+    """
+    found = jax.tree.map(np.asarray, equilibrium(scenario, position, acceleration))
+    limit, turn = scenario.limits.posture_deg, np.rad2deg(found.turn)
+    lines = []
+    if not found.balanced.all():
+        worst = int(np.argmax(np.where(found.balanced, -1, found.moment + found.force)))
+        lines.append(
+            f"sample {worst}: no equilibrium: with the cables' best tensions "
+            f"{found.force[worst]:.3g} N and {found.moment[worst]:.3g} N m are missing "
+            f"({_count(~found.balanced)})"
+        )
+    beyond = found.balanced & ~(turn <= limit)
+    if beyond.any():
+        worst = int(np.argmax(np.where(beyond, turn, -1)))
+        lines.append(
+            f"sample {worst}: level is no equilibrium: the load turns by {turn[worst]:.3g}°, more "
+            f"than limits.posture_deg = {limit:g} ({_count(beyond)})"
+        )
+    loose = found.balanced & ~found.stable
+    if loose.any():
+        worst = int(np.argmin(np.where(loose, found.stiffness, np.inf)))
+        lines.append(f"sample {worst}: the equilibrium is not stable ({_count(loose)})")
+    return lines
+
+
+def require_fixed_ends_if_separate(scenario: Scenario) -> None:
+    """Refuse separate attachments in modes whose ends move: the ends decide how the load hangs."""
+    if scenario.payload.attachments != "hook" and moving(scenario.drive):
+        raise InputError(
+            f'{scenario.name}: drive = "{scenario.drive}" moves the ends, and with separate '
+            'payload.attachments they decide how the load hangs; give drive = "cable", or '
+            'attachments = "hook"'
+        )
+
+
+def _count(flags: np.ndarray) -> str:
+    return f"{int(flags.sum())} of {flags.size} samples"
+
+
+def _load(world: World, gravity: Array) -> Load:
+    attachments = world.bodies.attachments.to_array()
+    rows = jnp.broadcast_to(attachments, (world.cables, 3))
+    return Load(world.mass, gravity, world.center_of_mass.to_array(), rows)
+
+
+@jax.jit(static_argnames="drive")
+def _turned(world: World, position: Array, gravity: Array, start: Array, drive: str) -> Hanging:
+    del drive  # the ends of separate attachments stay
+
+    def one(where: Array, field: Array) -> Hanging:
+        load, ends = _load(world, field), world.bodies.ends.to_array()
+        if world.cables == 3:
+            found = hang(where, start, load, ends)
+        else:
+            limits = world.limits.tension_low, world.limits.tension_high
+            found = hang_within(where, start, load, ends, *limits)
+        return _describe(found, stiffness(found.pose, found.tensions, load, ends))
+
+    return jax.vmap(one)(position, gravity)
+
+
+@jax.jit(static_argnames="drive")
+def _at_hook(world: World, position: Array, gravity: Array, start: Array, drive: str) -> Hanging:
+    where, field = Vec3.from_array(position), Vec3.from_array(gravity)
+    ends = ends_at(world, where, drive)
+    vectors = cable_vectors(where, world.bodies.attachments, ends)
+    lengths = cable_lengths(vectors)
+    force = field * -world.mass
+    limits = tight_tension_limits(world.limits, position.dtype)
+    tensions = force_tensions(vectors, lengths, force, limits)
+    arm = world.bodies.attachments.each(lambda c: c[0]) - world.center_of_mass
+    columns = jnp.stack(tensions, axis=-1)
+    rows = ends.each(lambda c: jnp.broadcast_to(c.T, columns.shape)).to_array()
+
+    def softest(point: Array, field: Array, tension: Array, ends: Array) -> Array:
+        return stiffness(Pose(point, start), tension, _load(world, field), ends, hook=True)
+
+    found = Equilibrium(
+        Pose(position, jnp.broadcast_to(start, (*position.shape, 3))),
+        columns,
+        jnp.stack(lengths, axis=-1),
+        jnp.zeros_like(where.x),  # a hook balances every force
+        norm(cross(arm, force)),
+        jnp.where(jnp.isfinite(columns).all(axis=-1), CONVERGED, 2),
+    )
+    modes = jax.vmap(softest)(position, gravity, columns, rows)
+    return jax.vmap(_describe)(found, modes)
+
+
+def _describe(found: Equilibrium, modes: Array) -> Hanging:
+    posture = found.pose.posture
+    sine = jnp.stack([posture[2, 1], posture[0, 2], posture[1, 0]]) - jnp.stack(
+        [posture[1, 2], posture[2, 0], posture[0, 1]]
+    )
+    turn = jnp.arctan2(jnp.linalg.norm(sine), jnp.trace(posture) - 1)
+    return Hanging(
+        found.tensions,
+        found.lengths,
+        posture,
+        angles(posture),
+        turn,
+        found.force,
+        found.moment,
+        modes.min(initial=jnp.inf),
+        found.code == CONVERGED,
+        is_stable(modes),
+    )

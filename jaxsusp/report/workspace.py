@@ -1,0 +1,135 @@
+"""The workspace picture: slices through the positions that a suspension can hold."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from jaxsusp.report.look import FAINT, INK, QUIET, heading, picture, quiet
+from jaxsusp.report.look import save as save
+from jaxsusp.report.painting import HALO
+from jaxsusp.report.render import Column, percent
+from jaxsusp.workspace import Workspace
+
+_BLOCKED = "#B9A7A0"
+_MARGIN = LinearSegmentedColormap.from_list("margin", ["#DCEBF5", "#56A0CC", "#0B4A78"])
+_NAMES = "xyz"
+
+
+def slices(space: Workspace) -> Figure:
+    """Three level and three upright slices; colour is the margin of the tensions to their limits.
+
+    Level slices go through start, goal and the middle between their heights, upright ones likewise,
+    looking along the shorter side of the way; where that is no way at all, through it and a fifth
+    of the workspace to either side.
+    """
+    figure = picture(13.0, 7.4)
+    grid = figure.subplots(2, 3)
+    task = np.array([space.scenario.task.start, space.scenario.task.goal])
+    middle = task.mean(axis=0)
+    heights = _spread(task[0, 2], middle[2], task[1, 2], space.axes[2])
+    cuts = [(2, height, (0, 1)) for height in heights]
+    across = 1 if np.ptp(task[:, 0]) >= np.ptp(task[:, 1]) else 0  # look along the shorter way
+    places = _spread(task[0, across], middle[across], task[1, across], space.axes[across])
+    cuts += [(across, place, (1 - across, 2)) for place in places]
+    images = [_slice(axes, space, *cut) for axes, cut in zip(grid.flat, cuts, strict=True)]
+    bar = figure.colorbar(images[0], ax=grid, shrink=0.7, aspect=30, pad=0.015)
+    bar.set_label("margin of the tensions to their limits", fontsize=10, color=INK)
+    bar.outline.set_edgecolor(QUIET)
+    bar.ax.tick_params(color=QUIET, labelcolor=INK, labelsize=9)
+    figure.legend(
+        handles=[
+            Patch(color=_MARGIN(0.6), label="can be held"),
+            Patch(color=_BLOCKED, label="could be held, but load or a cable meets an obstacle"),
+            Patch(facecolor="white", edgecolor=QUIET, label="cannot be held"),
+        ],
+        loc="outside lower center", ncols=3, frameon=False, fontsize=10, labelcolor=INK,
+    )  # fmt: skip
+    usable, box = space.volume(space.usable), space.cell * space.clear.size
+    heading(
+        figure,
+        f"{space.scenario.name}: {usable:.1f} m³ of {box:.1f} m³ ({usable / box:.0%}) can be held",
+    )
+    return figure
+
+
+def volume_table(space: Workspace) -> pd.DataFrame:
+    """Volumes (m³) and shares of the workspace box."""
+    rows = {
+        "workspace box": np.ones_like(space.clear),
+        "admissible tensions": space.admissible,
+        "clear of obstacles": space.clear,
+        "both": space.usable,
+    }
+    frame = pd.DataFrame(
+        {
+            "set": list(rows),
+            "volume": [space.volume(which) for which in rows.values()],
+            "share": [float(which.mean()) for which in rows.values()],
+        }
+    )
+    frame.attrs["title"] = f"Load positions of {space.scenario.name}"
+    frame.attrs["columns"] = {
+        "volume": Column("volume (m³)"),
+        "share": Column("share of the box", percent),
+    }
+    counts = " × ".join(str(len(axis)) for axis in space.axes)
+    frame.attrs["caption"] = f"{counts} cells, judged at their centres"
+    return frame
+
+
+def _slice(axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]):
+    """One slice: the layer of cells next to `at` along the axis `normal`."""
+    layer = int(np.abs(space.axes[normal] - at).argmin())
+    usable, admissible, margin = (
+        np.take(array, layer, axis=normal).T
+        for array in (space.usable, space.admissible, space.margin)
+    )
+    across, up = (space.axes[axis] for axis in shown)
+    quiet(axes)
+    axes.grid(False)
+    axes.set_facecolor("white")
+    look = {"shading": "nearest", "rasterized": True}
+    blocked = np.ma.masked_where(~(admissible & ~usable), np.ones_like(margin))
+    axes.pcolormesh(across, up, blocked, cmap=ListedColormap([_BLOCKED]), **look)
+    held = np.ma.masked_where(~usable, margin)
+    image = axes.pcolormesh(across, up, held, cmap=_MARGIN, vmin=0, vmax=1, **look)
+    _landmarks(axes, space, normal, float(space.axes[normal][layer]), shown)
+    axes.set_aspect("equal")
+    box = space.scenario.workspace
+    axes.set_xlim(box.lower[shown[0]], box.upper[shown[0]])
+    axes.set_ylim(box.lower[shown[1]], box.upper[shown[1]])
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+        spine.set_color(FAINT)
+    axes.set_title(f"{_NAMES[normal]} = {space.axes[normal][layer]:.2f} m", loc="left", fontsize=10,
+                   fontweight="bold", color=INK)  # fmt: skip
+    axes.set_xlabel(f"{_NAMES[shown[0]]} (m)", fontsize=9, color=INK)
+    axes.set_ylabel(f"{_NAMES[shown[1]]} (m)", fontsize=9, color=INK)
+    return image
+
+
+def _landmarks(
+    axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]
+) -> None:
+    """Start and goal, full in the slice that holds them and hollow in the others."""
+    pitch = float(np.diff(space.axes[normal]).max(initial=0.1))
+    for name in ("start", "goal"):
+        place = np.array(getattr(space.scenario.task, name))
+        here = abs(place[normal] - at) <= pitch
+        x, y = place[list(shown)]
+        axes.plot(x, y, "o", ms=6, mec=INK, mfc=INK if here else "none", mew=1.2, zorder=5)
+        axes.annotate(
+            name, (x, y), xytext=(6, 5), textcoords="offset points", fontsize=8,
+            color=INK if here else "#5F6670", zorder=6, path_effects=HALO,
+        )  # fmt: skip
+
+
+def _spread(first: float, middle: float, last: float, axis: np.ndarray) -> list[float]:
+    """Three places to cut: those asked for, or one to either side where they are the same."""
+    if abs(last - first) > 3 * float(np.diff(axis).max(initial=0)):
+        return [first, middle, last]
+    away = float(np.ptp(axis)) / 5
+    return [middle - away, middle, middle + away]
