@@ -44,7 +44,7 @@ figures: setup
 	$(BIN)/jaxsusp report results/compare.nc --output results
 
 test: setup
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile
 
 bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks

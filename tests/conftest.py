@@ -13,9 +13,11 @@ jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
-# Free spaces are computed once per session, and never found in a person's own cache.
-_cache = tempfile.TemporaryDirectory(prefix="jaxsusp-cache-")
-os.environ["JAXSUSP_CACHE"] = _cache.name
+# Free spaces are computed once per session, by whichever process needs one first, and never found
+# in a person's own cache.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    _cache = tempfile.TemporaryDirectory(prefix="jaxsusp-cache-")
+    os.environ["JAXSUSP_CACHE"] = _cache.name
 
 
 @pytest.fixture(scope="session")
