@@ -16,8 +16,8 @@ help:
 	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
 	@echo "make test       the test suite"
 	@echo "make figures    redraw the table and figures of results/compare.nc"
-	@echo "make bench      timings of the fitness, the optimisers and the whole comparison"
-	@echo "make reference  tests against MuJoCo, pymoo, pyswarms (own environment)"
+	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
+	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake (own environment)"
 	@echo "make check      lint, format and types"
 
 define new_environment
@@ -46,8 +46,9 @@ figures: setup
 test: setup
 	$(BIN)/python -m pytest
 
-bench: setup
+bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks
+	$(REFERENCE)/bin/python -m benchmarks.regions
 
 reference: $(REFERENCE)/.current
 	$(REFERENCE)/bin/python -m pytest tests/reference

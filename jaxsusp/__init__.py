@@ -27,6 +27,7 @@ from jaxsusp.results import append as append_results
 from jaxsusp.results import load as load_results
 from jaxsusp.results import save as save_results
 from jaxsusp.scenario import Scenario, ScenarioError, examples, load_scenario, scenarios
+from jaxsusp.studies.random_scenario import random_scenario
 from jaxsusp.tensions import tensions
 from jaxsusp.workspace import Workspace, workspace
 
@@ -36,6 +37,7 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "load_scenario",
     "scenarios",
     "examples",
+    "random_scenario",
     "InputError",
     "ScenarioError",
     # where the load and all cables are clear

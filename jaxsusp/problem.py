@@ -253,7 +253,7 @@ def stack_problems(problems: Sequence[Problem]) -> Problem:
     """
     shapes = [each.regions.table.shape for each in problems if each.regions is not None]
     if shapes:
-        count, rows, _ = np.max(shapes, axis=0)
+        count, rows, _ = np.max(shapes, axis=0).tolist()
         problems = [each.with_padded_regions(count, rows) for each in problems]
     return jax.tree.map(lambda *leaves: np.stack(leaves), *problems)
 

@@ -85,12 +85,12 @@ def keep_inside(regions: Regions, point: Vec3) -> Vec3:
 
     The loop over the regions carries one array, so that XLA computes every gauge once: gauges
     are not negative and therefore order like the integers of the same bits, whose lowest few make
-    way for the region's number. What a gauge loses by that, at most one part in 2¹⁵ for 256
-    regions in float32, the point is drawn in further (some 30 µm).
+    way for the region's number. What a gauge loses by that, at most one part in 2¹⁵ in float32, a
+    point is drawn in further (a third of a millimetre in a region of several metres).
     """
     dtype, count = point.x.dtype, regions.table.shape[0]
     whole = jnp.int64 if dtype == jnp.float64 else jnp.int32
-    low = (1 << (count - 1).bit_length()) - 1  # the bits that hold a number
+    low = (1 << max(8, (count - 1).bit_length())) - 1  # the bits that hold a number
 
     def visit(least: Array, region: tuple[Array, Array]) -> tuple[Array, None]:
         number, table = region

@@ -5,6 +5,7 @@ when interrupted.
 """
 
 from jaxsusp.cli import compare as compare
+from jaxsusp.cli import freespace as freespace
 from jaxsusp.cli import listing as listing
 from jaxsusp.cli import workspace as workspace
 from jaxsusp.cli.application import app, fail

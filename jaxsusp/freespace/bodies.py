@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from jaxsusp._messages import numbered
 from jaxsusp.errors import InputError
-from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Point, Points, nearest_point
+from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points, nearest_point
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
 from jaxsusp.geometry.meshes import bounding_box, hull_points
 from jaxsusp.mechanics.drives import moving
@@ -39,24 +39,33 @@ _SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
 def bodies_of(scenario: Scenario) -> list[Body]:
     """Inflated obstacles for the load, and a shadow of every obstacle per cable.
 
-    Where the ends move, a load position does not say where the cables are: only the load's own
-    bodies are left, and the search counts contacts of the cables.
-
     Raises:
         InputError: the upper end of a cable lies in an obstacle's warning area.
     """
-    named = [
-        (numbered("obstacles", i, obstacle.name), obstacle)
+    return [
+        body
         for i, obstacle in enumerate(scenario.obstacles)
+        for body in obstacle_bodies(scenario, obstacle, numbered("obstacles", i, obstacle.name))
     ]
-    bodies = [Body.hull(f"{name} (load)", _for_load(o, scenario)) for name, o in named]
+
+
+def obstacle_bodies(scenario: Scenario, obstacle: Any, name: str) -> list[Body]:
+    """One obstacle of a scenario inflated for the load, and its shadow per cable.
+
+    Where the ends move, a load position does not say where the cables are: only the load's own
+    body is left, and the search counts contacts of the cables.
+
+    Raises:
+        InputError: the upper end of a cable lies in the obstacle's warning area.
+    """
+    clear, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
+    across, up = shape.radius + clear, shape.half_height + clear
+    around_load = Body.hull(f"{name} (load)", _inflated(obstacle, across, up, ball=False))
     if moving(scenario.drive):
-        return bodies
-    thin = warning_shape(scenario).cable_radius + scenario.limits.clearance + MARGIN
-    for name, obstacle in named:
-        body = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
-        bodies += _shadows(scenario, body)
-    return bodies
+        return [around_load]
+    thin = shape.cable_radius + clear
+    around_cable = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
+    return [around_load, *_shadows(scenario, around_cable)]
 
 
 def domain_of(scenario: Scenario) -> HalfSpaces:
@@ -116,13 +125,6 @@ def _shadows(scenario: Scenario, body: Body) -> Iterator[Body]:
         )
 
 
-def _for_load(obstacle: Any, scenario: Scenario) -> Points:
-    """Corners of an obstacle inflated by the upright load."""
-    wide, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
-    across, up = shape.radius + wide, shape.half_height + wide
-    return _inflated(obstacle, across, up, ball=False)
-
-
 def _inflated(obstacle: Any, across: float, up: float, ball: bool) -> Points:
     """Corners of a polyhedron around an obstacle inflated horizontally and vertically.
 
@@ -169,7 +171,7 @@ def _prism(radius: float, half_height: float) -> Points:
 
 
 @functools.cache
-def _round_polyhedron() -> Point:
+def _round_polyhedron() -> Points:
     """Corners of the polyhedron whose faces touch the unit sphere at an icosphere's points."""
     from trimesh.creation import icosphere
 

@@ -149,6 +149,8 @@ class _Builder:
     def _seed_task(self) -> str:
         """Regions at start and goal; what stands in the way, if anything does."""
         for name, place in (("task.start", self.start), ("task.goal", self.goal)):
+            if self.graph.holding(place):
+                continue
             try:
                 region = self._grow(place)
             except InputError as error:

@@ -62,12 +62,12 @@ class RegionGraph:
             Indices of regions, the first holding start and the last goal; empty where there is
             no way.
         """
-        crossings = np.argwhere(np.triu(self.adjacency))
+        crossings = np.argwhere(np.triu(self.adjacency)).tolist()
         places = np.array(
-            [start, goal, *(_center(self._crossing(i, j)) for i, j in crossings)], np.float64
+            [start, goal, *(center(self._crossing(i, j)) for i, j in crossings)], np.float64
         )
         members: list[set[int]] = [set(self.holding(start)), set(self.holding(goal))]
-        members += [set(pair) for pair in crossings.tolist()]
+        members += [set(pair) for pair in crossings]
         edges = [
             (one, two)
             for region in range(len(self.regions))
@@ -131,8 +131,8 @@ def _meet(one: HalfSpaces, two: HalfSpaces) -> bool:
     return nearest_point(both, np.zeros(3)).point is not None
 
 
-def _center(halves: HalfSpaces) -> Point:
-    """Centre of the largest ball in a polytope."""
+def center(halves: HalfSpaces) -> Point:
+    """Centre of the largest ball in a polytope (m)."""
     rows = np.column_stack([halves.A, np.ones(len(halves.b))])
     free = [(None, None)] * 3 + [(0, None)]
     found = linprog([0, 0, 0, -1], rows, halves.b, bounds=free, method="highs")

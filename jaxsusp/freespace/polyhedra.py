@@ -33,7 +33,7 @@ class HalfSpaces(NamedTuple):
 
     def excess(self, points: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch"]:
         """How far points lie beyond the face they violate most (m); negative inside."""
-        return (points @ self.A.T - self.b).max(axis=-1)
+        return np.asarray((points @ self.A.T - self.b).max(axis=-1))
 
 
 class Nearest(NamedTuple):

@@ -3,6 +3,7 @@
 import json
 import os
 from dataclasses import dataclass, field, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from jaxsusp._files import atomic_path
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.ellipsoid import Ellipsoid
-from jaxsusp.freespace.graph import polyline_length
+from jaxsusp.freespace.graph import center, polyline_length
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces, volume
 
@@ -66,6 +67,13 @@ class FreeSpace:
     def length(self) -> float:
         """Length of the polyline (m); infinite without one."""
         return polyline_length(self.polyline) if self.connected else np.inf
+
+    @property
+    def centerline(self) -> Float[np.ndarray, "points 3"]:
+        """The roomy way along the route, by the centres of its crossings (m)."""
+        regions = [self.regions[i].polytope for i in self.route]
+        middle = [center(one & two) for one, two in pairwise(regions)]
+        return np.array([*self.polyline[:1], *middle, *self.polyline[-1:]]).reshape(-1, 3)
 
     @property
     def regions(self) -> list[Region]:

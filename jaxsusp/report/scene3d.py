@@ -40,29 +40,46 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
         A figure with two axes: the view (metres in the picture plane) and the top view (x, y).
     """
     curves = _trajectories(ds)
-    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
-    camera = best_view(solids, list(curves.values()) or [task])
-    figure = picture(13.0, 7.0)
-    view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
-    paint_room(view, camera, scenario.workspace.lower, scenario.workspace.upper)
-    for axes, eye in ((view, camera), (top, Camera.above())):
-        _obstacles(axes, eye, scenario, solids)
-        _cables(axes, eye, scenario, solids)
-        look = styles(curves)
+    look = styles(curves)
+    figure, stages = stage(scenario, list(curves.values()))
+    for axes, eye, solids in stages:
         for name, curve in curves.items():
             paint_curve(
                 axes, eye, solids, curve, zorder=5.0, color=look[name].color, linewidth=2.2,
                 linestyle=look[name].dash,
             )  # fmt: skip
     if arms:
-        _arms(view, camera, scenario)
-    _finish_view(view, scenario)
-    _finish_top(top, scenario)
+        _arms(*stages[0][:2], scenario)
     best = "" if ds is None else f": best of {ds.sizes['run']} runs per algorithm, and its fitness"
     heading(figure, scenario.name + best)
-    legend(figure, _samples(ds))
+    legend(figure, [*cable_samples(), *_samples(ds)])
     return figure
+
+
+Stage = tuple[Axes, Camera, list[Solid]]
+"""Axes, who looks, and the obstacles in sight."""
+
+
+def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stage]]:
+    """A figure of a scenario to draw into: a view that shows the curves well, and the top view.
+
+    Args:
+        scenario: a `Scenario`; its obstacles, loads and cables are drawn.
+        curves: what is to be seen (m); none for a view of the task.
+    """
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    camera = best_view(solids, curves or [task])
+    figure = picture(13.0, 7.0)
+    view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
+    paint_room(view, camera, scenario.workspace.lower, scenario.workspace.upper)
+    stages = (view, camera, solids), (top, Camera.above(), solids)
+    for axes, eye, _ in stages:
+        _obstacles(axes, eye, scenario, solids)
+        _cables(axes, eye, scenario, solids)
+    _finish_view(view, scenario)
+    _finish_top(top, scenario)
+    return figure, stages
 
 
 def best_view(solids: list[Solid], curves: list[Curve]) -> Camera:
@@ -89,14 +106,19 @@ def _trajectories(ds: xr.Dataset | None) -> dict[str, Curve]:
     return {name: curve for name, curve in curves.items() if np.isfinite(curve).all()}
 
 
-def _samples(ds: xr.Dataset | None) -> list[Line2D]:
-    """Legend entries: the algorithms with the fitness of the run that is drawn, the cables."""
-    entries = [
+def cable_samples() -> list[Line2D]:
+    """Legend entries of the cables."""
+    return [
         Line2D([], [], color=QUIET, lw=1, ls=dash, label=f"cables at {place}")
         for place, dash in _CABLES.items()
     ]
+
+
+def _samples(ds: xr.Dataset | None) -> list[Line2D]:
+    """Legend entries of the algorithms with the fitness of the run that is drawn."""
     if ds is None:
-        return entries
+        return []
+    entries = []
     run = ds["fitness"].fillna(np.inf).argmin("run")
     best = ds[["fitness", "collisions", "violations"]].isel(run=run)
     for name, style in styles(_trajectories(ds)).items():

@@ -1,0 +1,101 @@
+"""`jaxsusp freespace`: where the load and all cables are clear, and the way through."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+
+from jaxsusp.cli.application import Json, Named, Output, app, count, interrupted, interrupts, note
+from jaxsusp.freespace.build import Growth, free_space
+from jaxsusp.freespace.ellipsoid import SOLVER
+from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.scenario import Scenario, load_scenario
+
+
+@app.command(epilog="Example: jaxsusp freespace scenario-6 --output space")
+def freespace(
+    scenario: Named,
+    coverage: Annotated[
+        float, typer.Option(help="Share of the free space that the regions are to cover.")
+    ] = 0.95,
+    limit: Annotated[int, count("Greatest number of regions.")] = 200,
+    seed: Annotated[int, count("Of the samples of the free space.")] = 0,
+    solver: Annotated[
+        str, typer.Option(help="Solver of the cone programs, where installed: MOSEK, GUROBI, …")
+    ] = SOLVER,
+    output: Output = Path("results"),
+    as_json: Json = False,
+) -> None:
+    """Compute the free space of the whole system; write free-space.nc, a table and figures.
+
+    Exit status 1 when no collision-free route leads from start to goal.
+    """
+    task = load_scenario(scenario)
+    console = Console(stderr=True)
+    with console.status("Growing regions …") as status, interrupts() as raise_if_missed:
+
+        def told(growth: Growth) -> None:
+            raise_if_missed()
+            way = "connected" if growth.connected else "not connected yet"
+            status.update(
+                f"{growth.regions} regions, {growth.coverage:.0%} covered, start and goal {way}"
+            )
+
+        try:
+            space = free_space(task, coverage, limit, seed, solver, progress=told)
+        except KeyboardInterrupt:
+            interrupted("nothing was written.")
+    files = _write(task, space, output)
+    _tell(space, files, as_json)
+    note(f"{len(files)} files are in {output}")
+    if not space.connected:
+        raise typer.Exit(1)
+
+
+def _write(scenario: Scenario, space: FreeSpace, output: Path) -> list[Path]:
+    from jaxsusp.report import freespace as report
+    from jaxsusp.report.look import save
+    from jaxsusp.report.render import to_csv
+
+    output.mkdir(parents=True, exist_ok=True)
+    files = [output / name for name in ("free-space.nc", "regions.csv", "slices.png", "space.png")]
+    space.save(files[0])
+    to_csv(report.region_table(space), files[1])
+    save(report.slices(scenario, space), files[2])
+    save(report.view(scenario, space), files[3])
+    return files
+
+
+def _tell(space: FreeSpace, files: list[Path], as_json: bool) -> None:
+    from jaxsusp.report.freespace import region_table
+    from jaxsusp.report.render import to_rich
+
+    seconds = space.details["seconds"]
+    if as_json:
+        answer = {
+            "connected": space.connected,
+            "reason": space.reason,
+            "coverage": space.coverage,
+            "route": space.route.tolist(),
+            "polyline": space.polyline.tolist(),
+            "length": space.length if space.connected else None,
+            "bound": space.bound if np.isfinite(space.bound) else None,
+            "regions": region_table(space).drop(columns="route").to_dict("records"),
+            "seconds": seconds,
+            "files": [str(file) for file in files],
+        }
+        print(json.dumps(answer, indent=2, allow_nan=False))
+        return
+    console = Console()
+    console.print(to_rich(region_table(space)), "")
+    if space.connected:
+        console.print(
+            f"No polyline through this sequence of regions is shorter than {space.bound:.4f} m."
+        )
+    else:
+        console.print(f"[bold]{space.reason}[/bold]")
+    times = ", ".join(f"{name} {value:.2f} s" for name, value in seconds.items())
+    console.print(f"{space.details['bodies']} convex bodies to avoid; {times}")

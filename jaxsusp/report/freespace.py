@@ -1,0 +1,219 @@
+"""The free space of a scenario in pictures and tables: the paper's Figs 5 and 6."""
+
+import numpy as np
+import pandas as pd
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Ellipse, Patch
+
+from jaxsusp.freespace.bodies import bodies_of
+from jaxsusp.freespace.ellipsoid import Ellipsoid
+from jaxsusp.freespace.iris import Region
+from jaxsusp.freespace.polyhedra import HalfSpaces, corners_of
+from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.report.look import CYCLE, INK, heading, legend, panels, picture
+from jaxsusp.report.painting import paint_curve, paint_solid
+from jaxsusp.report.render import Column
+from jaxsusp.report.scene3d import LOAD, STONE, cable_samples, stage
+from jaxsusp.report.solids import Solid, of_obstacle
+from jaxsusp.scenario import Scenario
+
+ROUTE, SHADOW, FREE = "#C43C00", "#E3B7A0", "#0072B2"
+
+Polygon = Float[np.ndarray, "corners 2"]
+
+
+def slices(scenario: Scenario, space: FreeSpace) -> Figure:
+    """Horizontal sections at three heights of the route: the paper's Fig. 5.
+
+    Obstacles, what the load or a cable keeps it out of, the regions' polygons and ellipses, and
+    the route seen from above, strong where it is near the height of the section.
+    """
+    figure = picture(13.0, 5.2)
+    bodies = bodies_of(scenario)
+    heights = _heights(scenario, space)
+    all_axes = panels(figure, len(heights), sharey=True)
+    all_axes[0].set_ylabel("y (m)", fontsize=9)
+    for axes, height in zip(all_axes, heights, strict=True):
+        for body in bodies:
+            _fill(axes, body.faces, height, scenario, facecolor=SHADOW, alpha=0.55, lw=0, zorder=1)
+        for obstacle in scenario.obstacles:
+            solid = of_obstacle(obstacle)
+            halves = HalfSpaces(solid.normals, solid.offsets)
+            _fill(axes, halves, height, scenario, facecolor=STONE, ec=INK, lw=0.8, zorder=2)
+        for number, region in enumerate(space.regions):
+            on_route = number in space.route
+            _section(axes, region, height, scenario, on_route)
+        _route_from_above(axes, space, height)
+        for name, place in (("start", scenario.task.start), ("goal", scenario.task.goal)):
+            axes.plot(*place[:2], "o", ms=5, mfc=LOAD, mec="white", zorder=8)
+            axes.annotate(
+                name, place[:2], xytext=(6, 4), textcoords="offset points", fontsize=8, zorder=9
+            )
+        axes.set_title(f"z = {height:.2f} m", loc="left", fontsize=10, fontweight="bold")
+        axes.set_aspect("equal")
+        axes.set_xlim(scenario.workspace.lower[0], scenario.workspace.upper[0])
+        axes.set_ylim(scenario.workspace.lower[1], scenario.workspace.upper[1])
+        axes.set_xlabel("x (m)", fontsize=9)
+        axes.grid(False)
+    heading(figure, f"{scenario.name}: {_caption(space)}")
+    legend(
+        figure,
+        [
+            Patch(fc=STONE, ec=INK, lw=0.8, label="obstacle"),  # type: ignore[list-item]
+            Patch(fc=SHADOW, alpha=0.55, label="load or cable in contact"),  # type: ignore[list-item]
+            Line2D([], [], color=FREE, lw=0.8, label="polytopes"),
+            Line2D([], [], color=FREE, lw=0.8, ls=":", label="ellipsoids"),
+            Line2D([], [], color=FREE, lw=2.2, label="on the route"),
+            Line2D([], [], color=ROUTE, lw=2.2, label="shortest polyline"),
+        ],
+    )
+    return figure
+
+
+def view(scenario: Scenario, space: FreeSpace) -> Figure:
+    """The regions of the route and the polyline in the scene: the paper's Fig. 6."""
+    curves = [space.polyline] if space.connected else []
+    figure, stages = stage(scenario, curves)
+    for axes, eye, solids in stages:
+        for number, index in enumerate(space.route):
+            solid = _solid(space.regions[index])
+            color = CYCLE[number % len(CYCLE)]
+            paint_solid(axes, eye, solid, color, alpha=0.16, zorder=3.2 + 0.01 * number)
+        for curve in curves:
+            paint_curve(axes, eye, solids, curve, zorder=5.0, color=ROUTE, linewidth=2.4)
+            axes.plot(*eye.project(curve[1:-1]).T, "o", ms=4, color=ROUTE, zorder=6)
+    heading(figure, f"{scenario.name}: {_caption(space)}")
+    regions = [
+        Patch(fc=CYCLE[n % len(CYCLE)], alpha=0.35, label=f"region {index + 1}")
+        for n, index in enumerate(space.route)
+    ]
+    line = [Line2D([], [], color=ROUTE, lw=2.4, label="shortest polyline")] if curves else []
+    legend(figure, [*cable_samples(), *line, *regions])  # type: ignore[list-item]
+    return figure
+
+
+def region_table(space: FreeSpace) -> pd.DataFrame:
+    """One row per region: number, volumes, faces, neighbours, place on the route."""
+    volumes = space.volumes
+    place = {int(region): step for step, region in enumerate(space.route, start=1)}
+    frame = pd.DataFrame(
+        {
+            "region": np.arange(1, len(space.d) + 1),
+            "polytope": volumes[:, 0],
+            "ellipsoid": volumes[:, 1],
+            "faces": [len(region.polytope.b) for region in space.regions],
+            "neighbours": space.adjacency.sum(axis=1),
+            "route": [str(place.get(i, "")) for i in range(len(space.d))],
+        }
+    )
+    frame.attrs["title"] = "Regions"
+    frame.attrs["columns"] = {
+        "polytope": Column("polytope (m³)"),
+        "ellipsoid": Column("ellipsoid (m³)"),
+        "route": Column("on route"),
+    }
+    frame.attrs["caption"] = _caption(space)
+    return frame
+
+
+def _caption(space: FreeSpace) -> str:
+    parts = f"{len(space.d)} regions cover {100 * space.coverage:.1f} % of the free space"
+    if not space.connected:
+        return f"{parts}; {space.reason}"
+    names = " → ".join(str(index + 1) for index in space.route)
+    return f"{parts}; route through {names}, shortest polyline {space.length:.3f} m"
+
+
+def _heights(scenario: Scenario, space: FreeSpace) -> list[float]:
+    """Heights (m) at the start, half-way along the route, and at the goal."""
+    if not space.connected:
+        return [scenario.task.start[2], scenario.task.goal[2]]
+    steps = np.linalg.norm(np.diff(space.polyline, axis=0), axis=1)
+    gone = np.concatenate([[0.0], np.cumsum(steps)])
+    middle = np.interp(gone[-1] / 2, gone, space.polyline[:, 2])
+    return [scenario.task.start[2], float(middle), scenario.task.goal[2]]
+
+
+def _route_from_above(axes: Axes, space: FreeSpace, height: float) -> None:
+    if not space.connected:
+        return
+    t = np.linspace(0, len(space.polyline) - 1, 60 * (len(space.polyline) - 1) + 1)
+    fine = np.stack(
+        [np.interp(t, np.arange(len(space.polyline)), c) for c in space.polyline.T], axis=1
+    )
+    axes.plot(fine[:, 0], fine[:, 1], color=ROUTE, lw=1.0, alpha=0.5, zorder=6)
+    near = np.abs(fine[:, 2] - height) < 0.25
+    level = np.where(near[:, None], fine, np.nan)
+    axes.plot(level[:, 0], level[:, 1], color=ROUTE, lw=2.4, zorder=7)
+
+
+def _section(axes: Axes, region: Region, height: float, scenario: Scenario, strong: bool) -> None:
+    """Polygon and ellipse of a region at a height."""
+    look = {"lw": 2.2, "alpha": 0.9} if strong else {"lw": 0.7, "alpha": 0.55}
+    _fill(axes, region.polytope, height, scenario, facecolor="none", ec=FREE, zorder=4, **look)
+    if strong:
+        _fill(axes, region.polytope, height, scenario, facecolor=FREE, alpha=0.1, lw=0, zorder=3)
+    ellipse = _ellipse(region.ellipsoid, height)
+    if ellipse is not None:
+        ellipse.set(fill=False, edgecolor=FREE, linestyle=":", zorder=4, **look)
+        axes.add_patch(ellipse)
+
+
+def _fill(axes: Axes, halves: HalfSpaces, height: float, scenario: Scenario, **look) -> None:
+    polygon = section(halves, height, scenario.workspace.lower[:2], scenario.workspace.upper[:2])
+    if len(polygon):
+        axes.fill(*polygon.T, **look)
+
+
+def section(halves: HalfSpaces, height: float, lower, upper) -> Polygon:
+    """The polygon that a polyhedron cuts out of a level rectangle; empty where it does not.
+
+    The rectangle is clipped by one half-plane after the other (Sutherland & Hodgman 1974).
+    """
+    (x0, y0), (x1, y1) = lower, upper
+    polygon = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], np.float64)
+    for normal, offset in zip(halves.A, halves.b - halves.A[:, 2] * height, strict=True):
+        if not len(polygon):
+            break
+        room = offset - polygon @ normal[:2]
+        following = np.roll(polygon, -1, axis=0), np.roll(room, -1)
+        kept = []
+        for point, here, ahead, there in zip(polygon, room, *following, strict=True):
+            if here >= 0:
+                kept.append(point)
+            if here * there < 0:
+                kept.append(point + here / (here - there) * (ahead - point))
+        polygon = np.array(kept).reshape(-1, 2)
+    return polygon
+
+
+def _ellipse(ellipsoid: Ellipsoid, height: float) -> Ellipse | None:
+    """The ellipse that an ellipsoid cuts out of a level plane."""
+    inverse = np.linalg.inv(ellipsoid.C @ ellipsoid.C.T)
+    up = height - ellipsoid.d[2]
+    flat = np.linalg.inv(inverse[:2, :2])
+    shift = -flat @ inverse[:2, 2] * up
+    left = 1 - up**2 * (inverse[2, 2] - inverse[:2, 2] @ flat @ inverse[:2, 2])
+    if left <= 0:
+        return None
+    squares, axes = np.linalg.eigh(flat * left)
+    width, high = 2 * np.sqrt(squares)
+    angle = np.degrees(np.arctan2(axes[1, 0], axes[0, 0]))
+    center = ellipsoid.d[:2] + shift
+    return Ellipse((center[0], center[1]), width, high, angle=angle)
+
+
+def _solid(region: Region) -> Solid:
+    """A region's polytope as a body that can be drawn."""
+    corners = corners_of(region.polytope, region.ellipsoid.d)
+    faces = []
+    for normal, offset in zip(region.polytope.A, region.polytope.b, strict=True):
+        on_face = np.unique(corners[np.abs(corners @ normal - offset) < 1e-6].round(9), axis=0)
+        if len(on_face) >= 3:
+            across = np.linalg.svd(normal[None])[2][1:]  # two directions in the face
+            flat = (on_face - on_face.mean(axis=0)) @ across.T
+            faces.append(on_face[np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))])
+    return Solid.of_faces(faces)

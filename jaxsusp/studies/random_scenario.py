@@ -1,0 +1,215 @@
+"""Fresh planning tasks of the benchmark's kind: blocked, and proved to be solvable (spec §6)."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp.constraints import count_violations
+from jaxsusp.errors import InputError, require_count, require_seed
+from jaxsusp.fitness import tensions_at
+from jaxsusp.freespace.bodies import domain_of, obstacle_bodies
+from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.iris import Bodies
+from jaxsusp.freespace.polyhedra import Point, Points
+from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.scenario import (
+    Box,
+    Cylinder,
+    Obstacle,
+    Scenario,
+    ScenarioError,
+    Sphere,
+    load_scenario,
+)
+from jaxsusp.vec3 import Vec3
+from jaxsusp.world import build_world
+
+MOST = 1000
+"""Greatest number of obstacles."""
+
+FILLED = 0.4
+"""Share of the workspace that obstacles and their shadows may take; each takes its part of it."""
+
+CLEAR = 0.05
+"""m that start and goal stay away from what load or cables would touch."""
+
+SAMPLES = 4000
+"""Samples of the trajectories that are proved or refused."""
+
+ATTEMPTS = 60
+"""Scenes that are drawn before giving up."""
+
+_CLOUD = 4000  # positions at which the share that is taken is measured
+
+_count_collisions = jax.jit(count_collisions)
+
+
+def random_scenario(seed: int, obstacles: int = 10) -> Scenario:
+    """Draw a scene with the benchmark's robots, load and limits, and its kinds of obstacles.
+
+    The straight line from start to goal is blocked. That the task can be solved is proved: a route
+    through convex regions of the free space exists, and a trajectory along it has no collision
+    (n_p = 0) and no violated limit (n_g = 0).
+
+    Args:
+        seed: the same seed and number give the same scene.
+        obstacles: how many, 1 to 1000; the more, the smaller.
+
+    Raises:
+        InputError: bad numbers, or no such scene within 60 attempts.
+    """
+    require_seed(seed)
+    require_count("obstacles", obstacles, most=MOST)
+    for attempt in range(ATTEMPTS):
+        random = np.random.default_rng([seed, obstacles, attempt])
+        scenario = _draw(random, f"random-{seed}-{obstacles}", obstacles)
+        if scenario is not None and blocked(scenario) and solvable(scenario):
+            return scenario
+    raise InputError(
+        f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene in {ATTEMPTS} "
+        "attempts; choose another seed"
+    )
+
+
+def blocked(scenario: Scenario) -> bool:
+    """Whether the load or a cable meets an obstacle on the straight line from start to goal."""
+    line = np.array([scenario.task.start, scenario.task.goal])
+    return _faults(scenario, line)[0] > 0
+
+
+def solvable(scenario: Scenario) -> bool:
+    """Whether a route exists and a trajectory along it is without collision and violation.
+
+    The trajectory goes from centre to centre of the regions' crossings, in samples so fine that
+    the collision count, which is sound between them, is hardly more cautious than need be.
+    """
+    try:
+        space = free_space(scenario, coverage=0.1, cache=False)
+    except InputError:  # an end of a cable stands in a warning area
+        return False
+    if not space.connected:
+        return False
+    return _faults(scenario, space.centerline) == (0, 0)
+
+
+def _faults(scenario: Scenario, polyline: Points) -> tuple[int, int]:
+    """(n_p, n_g) of a finely sampled polyline, in float64."""
+    path = _sampled(polyline)
+    padded = len(scenario.obstacles)  # of every kind: one compiled program for all such scenes
+    with jax.enable_x64(True):
+        world = build_world(scenario, (padded, padded, padded))
+        position = Vec3(*(jnp.asarray(c) for c in path.T))
+        collisions = _count_collisions(position, world.bodies, world.obstacles)
+        lengths, tensions = tensions_at(world, position)
+        violations = count_violations(world, position, lengths, tensions, with_stability=False)
+        return int(collisions), int(violations)
+
+
+def _sampled(polyline: Points) -> Points:
+    """Points along a polyline, evenly spaced on every segment."""
+    knots = np.linspace(0, len(polyline) - 1, SAMPLES)
+    return np.stack([np.interp(knots, np.arange(len(polyline)), c) for c in polyline.T], axis=1)
+
+
+def _draw(random: np.random.Generator, name: str, count: int) -> Scenario | None:
+    """A scene whose obstacles leave start and goal clear; None where that did not work out."""
+    empty = load_scenario("scenario-1").model_dump() | {"name": name, "obstacles": []}
+    start, goal = _ends_of_task(random)
+    empty["task"] |= {"start": start.tolist(), "goal": goal.tolist()}
+    try:
+        frame = Scenario.model_validate(empty)
+    except ScenarioError:
+        return None
+    obstacles = _place_obstacles(random, frame, count)
+    if obstacles is None:
+        return None
+    try:
+        rows = [obstacle.model_dump() for obstacle in obstacles]
+        return Scenario.model_validate(empty | {"obstacles": rows})
+    except ScenarioError:  # the exact tests see what a cloud of points does not
+        return None
+
+
+def _ends_of_task(random: np.random.Generator) -> tuple[Point, Point]:
+    """Start and goal on different sides of the workspace, well below the ends."""
+    angle = random.uniform(0, 2 * np.pi)
+    radius = random.uniform(1.5, 2.6, 2)
+    height = random.uniform(0.8, 3.5, 2)
+    turn = random.uniform(0.7, 1.3) * np.pi
+    return tuple(
+        np.round([r * np.cos(a), r * np.sin(a), z], 2)
+        for r, a, z in zip(radius, (angle, angle + turn), height, strict=True)
+    )  # type: ignore[return-value]
+
+
+def _place_obstacles(
+    random: np.random.Generator, frame: Scenario, count: int
+) -> list[Obstacle] | None:
+    """Obstacles one by one: too big a one is drawn again, smaller."""
+    domain = domain_of(frame)
+    cloud = random.uniform(frame.workspace.lower, frame.workspace.upper, (_CLOUD, 3))
+    cloud = cloud[domain.excess(cloud) < 0]
+    ends = np.array([frame.task.start, frame.task.goal])
+    taken, placed = np.zeros(len(cloud), bool), []
+    for number in range(count):
+        scale = min(1.0, 2.2 / count ** (1 / 3))
+        for _ in range(30):
+            place = _between(random, ends) if number == 0 else _anywhere(random, frame)
+            obstacle = _obstacle(random, f"{number + 1}", place, scale)
+            scale *= 0.85
+            bodies = _bodies(frame, obstacle)
+            if bodies is None or _near(bodies, ends):
+                continue
+            now = taken | bodies.holding(cloud)
+            if now.mean() <= FILLED * (number + 1) / count or number == 0:
+                placed.append(obstacle)
+                taken = now
+                break
+        else:
+            return None
+    return placed
+
+
+def _bodies(frame: Scenario, obstacle: Obstacle) -> Bodies | None:
+    """What one obstacle keeps the load out of; None where it blocks an end of a cable."""
+    try:
+        return Bodies(obstacle_bodies(frame, obstacle, obstacle.name))
+    except InputError:
+        return None
+
+
+def _near(bodies: Bodies, points: Points) -> bool:
+    return any((body.faces.excess(points) <= CLEAR).any() for body in bodies.bodies)
+
+
+def _between(random: np.random.Generator, ends: Points) -> Point:
+    """A place about the middle of the straight line, for the obstacle that blocks it."""
+    return ends[0] + random.uniform(0.35, 0.65) * (ends[1] - ends[0])
+
+
+def _anywhere(random: np.random.Generator, frame: Scenario) -> Point:
+    return random.uniform(frame.workspace.lower, frame.workspace.upper)
+
+
+def _obstacle(random: np.random.Generator, number: str, place: Point, scale: float) -> Obstacle:
+    """A box, pillar or ball that reaches up to a place; most stand on the ground, some hang."""
+    width, depth, height = scale * random.uniform([0.4, 0.4, 0.6], [1.4, 1.2, 4.0])
+    top = place[2] + random.uniform(0.0, 0.4)
+    if random.random() < 0.7:
+        height = top  # from the ground
+    center = _rounded([place[0], place[1], top - height / 2])
+    match random.choice(["box", "box", "pillar", "ball"]):
+        case "box":
+            size, yaw = _rounded([width, depth, height]), round(random.uniform(0, 180), 1)
+            return Box(name=f"box {number}", center=center, size=size, yaw_deg=yaw)
+        case "pillar":
+            radius, high = _rounded([width / 4, height, 0])[:2]
+            return Cylinder(name=f"pillar {number}", center=center, radius=radius, height=high)
+        case _:
+            return Sphere(name=f"ball {number}", center=_rounded(place), radius=round(width / 3, 3))
+
+
+def _rounded(numbers) -> tuple[float, float, float]:
+    """As a person would write it: millimetres."""
+    x, y, z = (round(float(number), 3) for number in numbers)
+    return x, y, z
