@@ -39,9 +39,6 @@ _SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
 def bodies_of(scenario: Scenario) -> list[Body]:
     """Inflated obstacles for the load, and a shadow of every obstacle per cable.
 
-    Where the ends move, a load position does not say where the cables are: only the load's own
-    bodies are left, and the search counts contacts of the cables.
-
     Raises:
         InputError: the upper end of a cable lies in an obstacle's warning area.
     """
@@ -55,16 +52,18 @@ def bodies_of(scenario: Scenario) -> list[Body]:
 def obstacle_bodies(scenario: Scenario, obstacle: Any, name: str) -> list[Body]:
     """One obstacle of a scenario inflated for the load and, where ends are fixed, its shadows.
 
+    Where the ends move, a load position does not say where the cables are: only the load's own
+    body is left, and the search counts contacts of the cables.
+
     Raises:
         InputError: the upper end of a cable lies in the obstacle's warning area.
     """
-    shape, clear = warning_shape(scenario), scenario.limits.clearance + MARGIN
-    across, up, thin = (
-        size + clear for size in (shape.radius, shape.half_height, shape.cable_radius)
-    )
+    clear, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
+    across, up = shape.radius + clear, shape.half_height + clear
     around_load = Body.hull(f"{name} (load)", _inflated(obstacle, across, up, ball=False))
     if moving(scenario.drive):
         return [around_load]
+    thin = shape.cable_radius + clear
     around_cable = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
     return [around_load, *_shadows(scenario, around_cable)]
 
