@@ -1,0 +1,1 @@
+"""Sect. 3.3: force-position coordination, the placement of the cables' upper ends."""
