@@ -10,7 +10,9 @@ Importing the package sets nothing global.
 """
 
 from jaxsusp.comparison import compare
+from jaxsusp.coordination.ends import Placement, joint_problem, place_ends
 from jaxsusp.errors import InputError
+from jaxsusp.feasibility import ImpossibleTask
 from jaxsusp.fitness import FitnessTerms
 from jaxsusp.minimize import Result, minimize
 from jaxsusp.optim.base import Best, NoInfo, Optimizer
@@ -19,12 +21,16 @@ from jaxsusp.optim.ga import ga
 from jaxsusp.optim.pso import pso
 from jaxsusp.optim.registry import ALGORITHMS
 from jaxsusp.optim.sdbo import sdbo
+from jaxsusp.planfile import load_plan
+from jaxsusp.planning import plan
+from jaxsusp.plans import Plan, plan_through
 from jaxsusp.problem import Problem
 from jaxsusp.results import append as append_results
 from jaxsusp.results import load as load_results
 from jaxsusp.results import save as save_results
 from jaxsusp.scenario import Scenario, ScenarioError, load_scenario, scenarios
 from jaxsusp.tensions import tensions
+from jaxsusp.verification import Verification, verify_plan
 
 __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     # what a person states
@@ -53,4 +59,15 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "append_results",
     "load_results",
     "save_results",
+    # plans
+    "plan",
+    "Plan",
+    "load_plan",
+    "plan_through",
+    "place_ends",
+    "joint_problem",
+    "Placement",
+    "verify_plan",
+    "Verification",
+    "ImpossibleTask",
 ]

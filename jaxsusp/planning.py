@@ -11,7 +11,7 @@ import numpy as np
 from jaxsusp._types import Float
 from jaxsusp.batch import run_batch
 from jaxsusp.coordination.arms import build_robots
-from jaxsusp.coordination.ends import JointFitness, decode, encode, joint_problem, place_ends
+from jaxsusp.coordination.ends import JointFitness, decode, joint_problem, place_ends
 from jaxsusp.errors import require, require_count, require_known, require_seed
 from jaxsusp.feasibility import require_possible, static_tensions
 from jaxsusp.geometry.collisions import count_collisions
@@ -21,6 +21,7 @@ from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.plans import Plan, plan_through, require_cable_driven
 from jaxsusp.problem import SEARCHES, Problem, stack_problems
 from jaxsusp.scenario import Scenario, load_scenario
+from jaxsusp.trajectory.gentle import gently
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import build_world, rounded_counts
 
@@ -237,7 +238,6 @@ def _alternating(
     scenario: Scenario, settings: _Settings, attempt: _Attempt, first: int
 ) -> Iterator[Plan]:
     """Place ends, plan the load, place again, until the fitness stops improving."""
-    own = np.array([robot.end for robot in scenario.robots], np.float64)
     low, high = scenario.limits.tension
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     held = static_tensions(scenario, task)
@@ -266,7 +266,6 @@ def _alternating(
         if best is not None and best.feasible and not gained:
             return
         best, position = found, found.path
-    del own
 
 
 def _first_feasible(tries: Iterator[Plan]) -> Plan:
@@ -334,6 +333,7 @@ def _minimise(
     if extra is not None:  # in place of the worst, so that no other program is needed
         found = found.copy()
         found[outcome.fitness[0].argmax()] = extra[0]
+    problem = gently(problem)
     found = refine(problem, found, settings.seed)
     value = np.asarray(_evaluate(problem, found))
     return found[np.argsort(value, kind="stable")]
