@@ -12,7 +12,7 @@ Importing the package sets nothing global.
 from jaxsusp.comparison import compare
 from jaxsusp.coordination.ends import Placement, joint_problem, place_ends
 from jaxsusp.errors import InputError
-from jaxsusp.feasibility import ImpossibleTask
+from jaxsusp.feasibility import ImpossibleTaskError
 from jaxsusp.fitness import FitnessTerms
 from jaxsusp.minimize import Result, minimize
 from jaxsusp.optim.base import Best, NoInfo, Optimizer
@@ -69,5 +69,5 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "Placement",
     "verify_plan",
     "Verification",
-    "ImpossibleTask",
+    "ImpossibleTaskError",
 ]

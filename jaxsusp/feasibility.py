@@ -14,7 +14,7 @@ GRID = (15, 15, 12)
 """Positions of the workspace that are looked at, per axis."""
 
 
-class ImpossibleTask(InputError):
+class ImpossibleTaskError(InputError):
     """A task that no plan can carry out, with the limiting cable and position."""
 
 
@@ -27,13 +27,13 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
             ends: that K cables at their greatest tension lift the load.
 
     Raises:
-        ImpossibleTask: with the place, the cable, its tension and the limit; and whether any other
-            place in the workspace is better.
+        ImpossibleTaskError: with the place, the cable, its tension and the limit; and whether any
+            other place in the workspace is better.
     """
     payload, (low, high) = scenario.payload, scenario.limits.tension
     weight, cables = payload.mass * GRAVITY, len(scenario.robots)
     if weight > cables * high:
-        raise ImpossibleTask(
+        raise ImpossibleTaskError(
             f"{scenario.name}: the load weighs {weight:.5g} N and {cables} cables of at most "
             f"{high:g} N each cannot lift it anywhere; at task.goal "
             f"{_place(scenario.task.goal)} even cable 1, pulling straight up, would need "
@@ -46,7 +46,7 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
         tensions = static_tensions(scenario, np.array([place], np.float64))[0]
         if worst := _worst(tensions, low, high):
             elsewhere = _elsewhere(scenario)
-            raise ImpossibleTask(
+            raise ImpossibleTaskError(
                 f"{scenario.name}: no plan is possible: at {name} {_place(place)} {worst}"
                 f"{elsewhere}; {_remedy(tensions, high)}"
             )

@@ -240,6 +240,4 @@ def _pair(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def _text(value: Any, **options: Any) -> str:
-    return json.dumps(
-        value, separators=(",", ":"), ensure_ascii=False, allow_nan=False, **options
-    )
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False, **options)

@@ -35,9 +35,9 @@ MARGIN = 0.015
 """m; the search keeps so much more than the clearance asked for, as far as start and goal allow:
 the smooth curve departs from the polyline that the search checks by about as much."""
 
-TENSION_MARGIN = 3.0
-"""N by which the search draws the tension limits in, as far as start and goal allow: what inertia
-adds on the real curve."""
+TENSION_MARGIN = (5.0, 3.0)
+"""N by which the search draws the lower and the upper tension limit in, as far as start and goal
+allow: inertia takes and adds on the real curve, and a cable with little tension is easily upset."""
 
 ROUNDS = 3
 """Most alternations of placing the ends and planning the load."""
@@ -112,7 +112,7 @@ def plan(
         A feasible `Plan`, or the best attempt marked infeasible with the reasons.
 
     Raises:
-        ImpossibleTask: no tensions within limits can hold the load; told before any search.
+        ImpossibleTaskError: no tensions within limits can hold the load; told before any search.
         InputError: bad settings, or a system that planning does not cover.
     """
     if not isinstance(scenario, Scenario):
@@ -135,15 +135,14 @@ def plan(
     optimizer = algorithm_of(algorithm)
     require_possible(scenario, ends)
 
-    tally = _Tally()
+    tally, made = _Tally(), 0
     for attempt in _attempts(retries, waypoints, ends):
 
         def told(phase: str, attempt=attempt) -> None:
             progress(Event(phase, attempt.number, retries + 1))
 
-        settings = _Settings(
-            optimizer, runs, iterations, population, seed, samples, search, told
-        )
+        settings = _Settings(optimizer, runs, iterations, population, seed, samples, search, told)
+        made += 1
         for batch in range(attempt.batches):
             first = tally.take(runs)
             if ends == "given":
@@ -163,7 +162,7 @@ def plan(
         "algorithm": optimizer.name, "ends": ends, "runs": runs, "iterations": iterations,
         "population": population, "retries": retries, "seed": seed, "samples": samples,
         "waypoints": len(tally.best.waypoints), "search": search, "coordination": coordination,
-        "attempts": attempt.number + 1, "runs_made": tally.runs,
+        "attempts": made, "runs_made": tally.runs,
     })  # fmt: skip
 
 
@@ -242,7 +241,9 @@ def _alternating(
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     held = static_tensions(scenario, task)
     if attempt.fresh_ends or not ((held >= low) & (held <= high)).all():
-        position = np.linspace(*task, settings.samples)  # ends for the straight line come first
+        position = np.linspace(
+            task[0], task[1], settings.samples
+        )  # ends for the straight line come first
         best = None
     else:
         best = _first_feasible(_given(scenario, settings, attempt.waypoints, first))
@@ -352,8 +353,7 @@ def _fitness(scenario: Scenario, x, ends: np.ndarray, samples: int) -> float:
             moved, np.size(x) // 3, samples, dtype=np.float64,
             world=build_world(moved, rounded_counts(moved)),
         )  # fmt: skip
-        value = float(_evaluate(problem, np.asarray(x, np.float64).reshape(1, -1))[0])
-    return value
+        return float(_evaluate(problem, np.asarray(x, np.float64).reshape(1, -1))[0])
 
 
 def _with_ends(scenario: Scenario, ends: np.ndarray) -> Scenario:
@@ -370,12 +370,13 @@ def _with_margins(scenario: Scenario, moving_ends: bool = False) -> Scenario:
     limits = scenario.limits
     low, high = limits.tension
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
-    room = TENSION_MARGIN
+    below, above = TENSION_MARGIN
     if not moving_ends:
         held = static_tensions(scenario, task)
-        room = min(room, 0.5 * float(np.minimum(held - low, high - held).min()))
-    room = min(max(room, 0.0), (high - low) / 10)
-    tension = (low + room, high - room)
+        below = min(below, 0.8 * float(held.min() - low))
+        above = min(above, 0.8 * float(high - held.max()))
+    below, above = (min(max(room, 0.0), (high - low) / 10) for room in (below, above))
+    tension = (low + below, high - above)
     margin = MARGIN
     while margin > 1e-3:
         wider = _with_limits(scenario, clearance=limits.clearance + margin, tension=tension)

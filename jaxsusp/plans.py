@@ -203,9 +203,7 @@ def _points(name: str, given: Any) -> np.ndarray:
 def _reasons(report: tuple[Check, ...], certificate: Certificate) -> list[str]:
     """What is wrong: limits, and the first time at which each pair comes too close."""
     found = [
-        each.reason
-        for each in report
-        if not each.ok and not each.name.startswith("distance of")
+        each.reason for each in report if not each.ok and not each.name.startswith("distance of")
     ]
     for contact in certificate.contacts:
         one, other = contact.bodies

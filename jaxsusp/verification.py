@@ -49,9 +49,7 @@ def verify_plan(plan: Plan, simulation: bool | Simulation = True) -> Verificatio
         A `Verification`; `reasons` holds one sentence per fault, those of the motion first.
     """
     elbow_up = plan.joints[0, :, 2] >= 0
-    anew = plan_through(
-        plan.scenario, plan.waypoints, plan.ends, len(plan.path), elbow_up=elbow_up
-    )
+    anew = plan_through(plan.scenario, plan.waypoints, plan.ends, len(plan.path), elbow_up=elbow_up)
     reasons = list(anew.reasons)
     for name in TOLERANCES:
         reasons += _differences(plan, anew, name)

@@ -18,6 +18,7 @@ from jaxsusp.cli.application import (
     interrupted,
     interrupts,
     note,
+    wide_console,
 )
 from jaxsusp.planning import SEARCH, Event
 from jaxsusp.planning import plan as make_plan
@@ -108,7 +109,7 @@ def _show(plan: Plan) -> None:
     from jaxsusp.report.planreport import ends_table, limits_table, verdict
     from jaxsusp.report.render import to_rich
 
-    stdout = Console()
+    stdout = wide_console()
     stdout.print(to_rich(limits_table(plan.report)), "")
     stdout.print(to_rich(ends_table(plan)), "")
     stdout.print(

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from jaxsusp import launch
-from jaxsusp.cli.application import Json, app, note
+from jaxsusp.cli.application import Json, app, note, wide_console
 from jaxsusp.planfile import load_plan
 from jaxsusp.verification import Verification, verify_plan
 
@@ -40,12 +39,12 @@ def verify(
         files.append(model)
     simulation = True
     if images is not None or video is not None:
-        from jaxsusp.verify.pictures import NoRenderer, render
+        from jaxsusp.verify.pictures import NoRendererError, render
 
         try:
             simulation, rendered = render(given, images, video)
             files += rendered
-        except NoRenderer as error:  # the verification itself needs no renderer
+        except NoRendererError as error:  # the verification itself needs no renderer
             note(str(error))
     found = verify_plan(given, simulation)
     name = given.scenario.name
@@ -78,7 +77,7 @@ def _show(found: Verification, name: str) -> None:
     from jaxsusp.report.planreport import limits_table, simulation_table, verdict
     from jaxsusp.report.render import to_rich
 
-    stdout = Console()
+    stdout = wide_console()
     stdout.print(to_rich(limits_table(found.plan.report)), "")
     if found.simulation is not None:
         stdout.print(to_rich(simulation_table(found.simulation)), "")

@@ -2,8 +2,8 @@
 
 Population algorithms end near an optimum rather than at it, and the last corners of a path cost
 acceleration. Every run draws λ normal steps about its best point, half of them in a few variables
-only, and keeps the best if it is better; the step grows with success and shrinks without (Rechenberg's
-rule). Nothing gets worse by it.
+only, and keeps the best if it is better; the step grows with success and shrinks without
+(Rechenberg's rule). Nothing gets worse by it.
 """
 
 import functools

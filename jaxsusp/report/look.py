@@ -78,7 +78,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 def picture_file(pixels: np.ndarray, path: str | os.PathLike[str]) -> None:
     """Write an image (height, width, 3) of bytes as PNG, atomically."""
     with atomic_path(path) as scratch:
-        imsave(scratch, pixels, format="png", metadata={"Software": None})
+        imsave(scratch, pixels, format="png", metadata={})
 
 
 def styles(algorithms: Iterable[str]) -> dict[str, Style]:

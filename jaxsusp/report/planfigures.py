@@ -121,7 +121,7 @@ def _hung(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], poses) ->
 
     hook = np.array([0.0, 0.0, plan.scenario.payload.height / 2])
     up = plan.joints[0, :, 2] >= 0
-    chains = hold(plan.scenario, plan.law, plan.ends, len(plan.times), up).chains
+    chains = np.asarray(hold(plan.scenario, plan.law, plan.ends, len(plan.times), up).chains)
     for k, end in enumerate(plan.ends):
         color = CABLES[k % len(CABLES)]
         for pose in poses:

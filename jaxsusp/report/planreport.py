@@ -11,7 +11,9 @@ from jaxsusp.verify.limits import Check
 from jaxsusp.verify.simulation import TENSION, TRACKING, Simulation
 
 
-def limits_table(report: Sequence[Check], title: str = "Constraint report (Eq. 22)") -> pd.DataFrame:
+def limits_table(
+    report: Sequence[Check], title: str = "Constraint report (Eq. 22)"
+) -> pd.DataFrame:
     """The report, one limit per row: value, what is allowed, margin, when and of what."""
     frame = pd.DataFrame(
         {
@@ -19,20 +21,23 @@ def limits_table(report: Sequence[Check], title: str = "Constraint report (Eq. 2
             "value": [_with_unit(each.value, each.unit) for each in report],
             "allowed": [_allowed(each) for each in report],
             "margin": [each.margin for each in report],
-            "ok": [each.ok for each in report],
             "at": [each.time for each in report],
-            "of": [each.about for each in report],
+            "of": [each.about.removeprefix("load and ") for each in report],
         }
     )
     frame.attrs["title"] = title
     frame.attrs["columns"] = {
         "margin": Column("margin", _signed),
-        "ok": Column("kept"),
         "at": Column("at (s)", lambda t: f"{t:.1f}" if np.isfinite(t) else "–"),
     }
     frame.attrs["bold"] = frozenset(
-        (row, name) for row, each in enumerate(report) if not each.ok for name in ("margin", "ok")
+        (row, name)
+        for row, each in enumerate(report)
+        if not each.ok
+        for name in ("limit", "margin")
     )
+    broken = sum(not each.ok for each in report)
+    frame.attrs["caption"] = f"{broken} limits are broken." if broken else "All limits are kept."
     return frame
 
 

@@ -13,13 +13,17 @@ import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
-from jaxsusp.fitness import curvature, trajectory
+from jaxsusp.fitness import curvature, tensions_at, trajectory
 from jaxsusp.problem import Problem, Suspension
 from jaxsusp.vec3 import Vec3, norm
 from jaxsusp.world import cast_world
 
 TURN = 0.1
 """m/s² that cost nothing. A load that turns with so much hangs 0.6 degrees off the vertical."""
+
+SLACK_SHARE = 0.25
+"""Where a cable has little tension T, only so much of T/m costs nothing: at 4 N and 10 kg as much
+as `TURN`."""
 
 PRICE = 20.0
 """Fitness per sample that turns with twice as much; grows with the square."""
@@ -31,15 +35,18 @@ class Gentle:
     """The suspension's fitness plus the price of hard turns."""
 
     suspension: Suspension
-    turn: Float[Array, ""] | float = field(default=TURN)
-    price: Float[Array, ""] | float = field(default=PRICE)
+    turn: float = field(default=TURN, metadata={"static": True})
+    slack_share: float = field(default=SLACK_SHARE, metadata={"static": True})
+    price: float = field(default=PRICE, metadata={"static": True})
 
     def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
         """Total of many decision vectors."""
         world = cast_world(self.suspension.world, x.dtype)
         position = trajectory(world, x.T, self.suspension.samples)
-        excess = turning(position, world.duration) / jnp.asarray(self.turn, x.dtype) - 1
-        cost = jnp.asarray(self.price, x.dtype) * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
+        tensions = jnp.stack(tensions_at(world, position)[1]).min(axis=0)[1:-1]
+        free = jnp.clip(self.slack_share * tensions / world.mass, 0.1 * self.turn, self.turn)
+        excess = turning(position, world.duration) / free - 1
+        cost = self.price * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
         return self.suspension.population(x) + cost
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:

@@ -143,8 +143,5 @@ def _bernstein_bound(curve: BSpline, knots: np.ndarray, degree: int) -> np.ndarr
 def _running_maximum(values: np.ndarray) -> np.ndarray:
     """Matrix [i, j] of the maxima of values[i … j]; below the diagonal of no meaning."""
     return np.stack(
-        [
-            np.append(values[:i], np.maximum.accumulate(values[i:]))
-            for i in range(len(values))
-        ]
+        [np.append(values[:i], np.maximum.accumulate(values[i:])) for i in range(len(values))]
     )

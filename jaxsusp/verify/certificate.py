@@ -279,8 +279,9 @@ class _Search:
                 nearest = np.minimum(hook[rows] - towards[rows], upper) - self._cable
             plane[rows] = nearest - self._support(other[rows], n)
         rows = np.flatnonzero(kind == 4)
-        plane[rows] = self._between_cables(body[rows] - 1, other[rows], normal[rows], hook[rows],
-                                           towards[rows])
+        plane[rows] = self._between_cables(
+            body[rows] - 1, other[rows], normal[rows], hook[rows], towards[rows]
+        )
         fixed = kind != 4
         isotropic[fixed] += (speed * half)[fixed]
         return np.fmax(plane, isotropic)
@@ -308,7 +309,7 @@ class _Search:
         )
         return np.minimum.reduce(gaps) - 2 * self._cable
 
-    def _names(self, pair: int) -> tuple[str, str]:
+    def _names(self, pair: int | np.integer) -> tuple[str, str]:
         body, other, kind, _ = (column[pair] for column in self._pairs)
         moving = f"cable {body}" if body else "load"
         return moving, f"cable {other + 1}" if kind == 4 else self._bodies[other].name

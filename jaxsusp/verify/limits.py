@@ -64,10 +64,10 @@ class Check(NamedTuple):
 class Loads(NamedTuple):
     """Cables at many instants."""
 
-    lengths: Float[Array, "times cables"]  # m
-    static: Float[Array, "times cables"]  # tensions of a load at rest there, N
-    tensions: Float[Array, "times cables"]  # with inertia, N
-    stability: Float[Array, "times"]  # S_c, without inertia
+    lengths: Float[np.ndarray, "times cables"]  # m
+    static: Float[np.ndarray, "times cables"]  # tensions of a load at rest there, N
+    tensions: Float[np.ndarray, "times cables"]  # with inertia, N
+    stability: Float[np.ndarray, "times"]  # S_c, without inertia
 
 
 def cable_loads(
@@ -78,7 +78,9 @@ def cable_loads(
 ) -> Loads:
     """Lengths, tensions and stability factor of the level payload, float64 (Eq. 3, 4, 6, 18)."""
     with jax.enable_x64(True):
-        world = with_ends(cast_world(build_world(scenario, rounded_counts(scenario)), np.float64), ends)
+        world = with_ends(
+            cast_world(build_world(scenario, rounded_counts(scenario)), np.float64), ends
+        )
         found = _loads(world, jnp.asarray(position), jnp.asarray(acceleration))
         return Loads(*map(np.asarray, found))
 
@@ -89,14 +91,14 @@ def with_ends(world: World, ends: Float[Array, "cables xyz"]) -> World:
 
 
 @jax.jit
-def _loads(world: World, position, acceleration) -> Loads:
+def _loads(world: World, position, acceleration) -> tuple[Array, ...]:
     where = Vec3.from_array(position)
     vectors = cable_vectors(where, world.bodies.attachments, world.bodies.ends)
     lengths, still = cable_lengths(vectors), weight(world.mass)
     static = hook_tensions(vectors, lengths, still)
     moving = hook_tensions(vectors, lengths, Vec3.from_array(acceleration) * world.mass + still)
     columns = (jnp.stack(each, axis=-1) for each in (lengths, static, moving))
-    return Loads(*columns, stability_of(world, where, static))
+    return *columns, stability_of(world, where, static)
 
 
 def constraint_report(
@@ -139,8 +141,8 @@ def constraint_report(
         _of_cable("length", loads.lengths, times, max, -inf, limits.cable_length[1], "m"),
         _of_cable("tension", loads.tensions, times, min, low, inf, "N"),
         _of_cable("tension", loads.tensions, times, max, -inf, high, "N"),
-        _of_cable("ultimate tension (T_lim)", loads.tensions, times, max, -inf, ultimate, "N"),
-        _extreme("tension ratio C_t", balance, times, min, 1e-12, 1.0, ""),
+        _of_cable("ultimate tension T_lim", loads.tensions, times, max, -inf, ultimate, "N"),
+        _extreme("tension ratio C_t", balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
         _extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
         *_inside(scenario, motion.position, times),
         *_robots(scenario, np.asarray(ends), np.asarray(joints)),
@@ -182,7 +184,7 @@ def _inside(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list
     inside = np.minimum(position - box.lower, box.upper - position)
     return [
         _extreme(
-            "distance inside the workspace", inside.min(axis=1), times, min,
+            "inside the workspace", inside.min(axis=1), times, min,
             -WORKSPACE_TOLERANCE, np.inf, "m", "load",
         )
     ]  # fmt: skip

@@ -8,10 +8,10 @@ the paper gives no number, ours is a tenth of critical.
 
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from jaxsusp.plans import Plan, hold
+from jaxsusp.verify.engine import mujoco
 from jaxsusp.verify.scene import BoxShape, CapsuleShape, CylinderShape, Fixed, fixed_bodies
 
 TIMESTEP = 0.002
@@ -26,9 +26,8 @@ DAMPING = 500.0
 SWING_DAMPING = 0.1
 """Share of critical damping of the load's swing about the hook."""
 
-_STONE, _ARM, _LOAD, _CABLE = (
-    (0.79, 0.80, 0.83, 1.0), (0.60, 0.64, 0.69, 1.0), (0.77, 0.24, 0.0, 1.0), (0.17, 0.17, 0.17, 1.0),
-)  # fmt: skip
+_STONE, _ARM = (0.79, 0.80, 0.83, 1.0), (0.60, 0.64, 0.69, 1.0)
+_LOAD, _CABLE = (0.77, 0.24, 0.0, 1.0), (0.17, 0.17, 0.17, 1.0)
 
 
 def build_spec(plan: Plan) -> Any:
@@ -49,7 +48,7 @@ def build_spec(plan: Plan) -> Any:
     for k, end in enumerate(plan.ends):
         spec.worldbody.add_site(name=f"end {k + 1}", pos=end, size=[0.05] * 3, rgba=_ARM)
         tendon = spec.add_tendon(name=f"cable {k + 1}", rgba=_CABLE)
-        tendon.width = plan.scenario.limits.cable_radius
+        tendon.width = 2 * plan.scenario.limits.cable_radius  # twice life, to be seen from afar
         tendon.wrap_site(f"end {k + 1}")
         tendon.wrap_site("hook")
         spec.add_actuator(
@@ -71,10 +70,17 @@ def build_spec(plan: Plan) -> Any:
 def _surroundings(spec: Any, plan: Plan) -> None:
     """Floor, lights, obstacles and arms."""
     world = spec.worldbody
-    world.add_light(pos=[3, -6, 12], dir=[-0.2, 0.4, -0.9], diffuse=[0.5] * 3)
+    spec.add_texture(
+        name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=64, height=384,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, rgb1=[1, 1, 1], rgb2=[0.86, 0.89, 0.93],
+    )  # fmt: skip
+    world.add_light(
+        pos=[3, -6, 12], dir=[-0.2, 0.4, -0.9], diffuse=[0.4] * 3,
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+    )  # fmt: skip
     world.add_geom(
-        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[8, 8, 0.1],
-        rgba=[0.96, 0.96, 0.95, 1],
+        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[9, 9, 0.1],
+        rgba=[0.93, 0.93, 0.92, 1],
     )  # fmt: skip
     elbow_up = plan.joints[0, :, 2] >= 0
     posture = hold(plan.scenario, plan.law, plan.ends, len(plan.times), elbow_up)

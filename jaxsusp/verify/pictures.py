@@ -1,10 +1,10 @@
 """Pictures and films of a plan, rendered by MuJoCo without a screen (EGL)."""
 
 import os
+import warnings
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from jaxsusp._files import atomic_path
@@ -12,15 +12,18 @@ from jaxsusp._types import Float
 from jaxsusp.errors import InputError
 from jaxsusp.plans import Plan
 from jaxsusp.report.look import picture_file
+from jaxsusp.report.scene3d import best_view
+from jaxsusp.report.solids import of_obstacle
+from jaxsusp.verify.engine import mujoco
 from jaxsusp.verify.simulation import Simulation, simulate
 
 WIDTH, HEIGHT = 1280, 720
-FRAMES = 25  # a second
+FRAMES = 15  # a second
 SPEED = 4.0
 """How much faster than life a film runs."""
 
 
-class NoRenderer(InputError):
+class NoRendererError(InputError):
     """This machine cannot render without a screen."""
 
 
@@ -33,6 +36,7 @@ class Renderer:
             self._scene = mujoco.MjvScene(model, 2000)
             self._option = mujoco.MjvOption()
             self._camera = _camera(plan)
+            self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW.value] = 0  # slow in software
             self._target = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_150.value)
             mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._target)
         except Exception as error:
@@ -71,24 +75,24 @@ def _open(width: int, height: int) -> Any:
         raise _no_renderer(error) from error
 
 
-def _no_renderer(error: Exception) -> NoRenderer:
+def _no_renderer(error: Exception) -> NoRendererError:
     reason = (str(error).splitlines() or [type(error).__name__])[0]
-    return NoRenderer(
+    return NoRendererError(
         f"pictures cannot be rendered here: no EGL renderer ({reason}); install Mesa's EGL "
         "(libegl1, libegl-mesa0) or leave out --images and --video"
     )
 
 
 def _camera(plan: Plan) -> Any:
-    """A view of the whole system from the side on which the path is widest."""
+    """A view of the whole system from where the path is seen best."""
     points = np.vstack([plan.ends, plan.position, [robot.base for robot in plan.scenario.robots]])
     low, high = points.min(axis=0), points.max(axis=0)
+    view = best_view([of_obstacle(each) for each in plan.scenario.obstacles], [plan.position])
     camera = mujoco.MjvCamera()
-    camera.lookat[:] = (low + high) / 2 - [0, 0, 0.3]
-    camera.distance = 1.25 * float(np.linalg.norm(high - low))
-    span = plan.position[-1] - plan.position[0]
-    camera.azimuth = float(np.rad2deg(np.arctan2(span[1], span[0]))) + 65
-    camera.elevation = -18
+    camera.lookat[:] = (low + high) / 2
+    camera.distance = 1.05 * float(np.linalg.norm(high - low))
+    camera.azimuth = float(np.rad2deg(view.azimuth)) + 180  # MuJoCo's is where it looks to
+    camera.elevation = -float(np.rad2deg(view.elevation))
     return camera
 
 
@@ -110,7 +114,7 @@ def render(
         The simulation, and the files written.
 
     Raises:
-        NoRenderer: the machine has no headless renderer.
+        NoRendererError: the machine has no headless renderer.
         InputError: the video cannot be encoded.
     """
     duration = plan.scenario.task.duration
@@ -158,7 +162,9 @@ def _encode(frames: list[Float[np.ndarray, "h w rgb"]], path: Path) -> None:
     import imageio_ffmpeg
 
     try:
-        with atomic_path(path) as scratch:
+        with atomic_path(path) as scratch, warnings.catch_warnings():
+            # JAX warns of forks; this child becomes ffmpeg at once and never touches JAX.
+            warnings.filterwarnings("ignore", "os.fork", RuntimeWarning)
             writer = imageio_ffmpeg.write_frames(
                 scratch, (WIDTH, HEIGHT), fps=FRAMES, codec="libx264", macro_block_size=8,
                 output_params=["-f", "mp4"],

@@ -9,12 +9,12 @@ vertices here; and mesh vertices are single precision, which moves a face by up 
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
-import mujoco
 import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.meshes import bounding_box
 from jaxsusp.scenario import Scenario
+from jaxsusp.verify.engine import mujoco
 
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _FAR = 1e3  # m, beyond every distance asked for
@@ -25,7 +25,7 @@ class Shape(Protocol):
     """A convex body that knows how far it reaches in a direction."""
 
     def support(self, normals: Float[np.ndarray, "n xyz"]) -> Float[np.ndarray, "n"]:
-        """max over the body of normal · point (m)."""
+        """Greatest normal · point over the body (m)."""
         ...
 
     def add(self, spec: Any, name: str) -> None:
@@ -41,7 +41,7 @@ class BoxShape(NamedTuple):
     yaw: float
 
     def support(self, normals):
-        """max over the body of normal · point (m)."""
+        """Greatest normal · point over the body (m)."""
         cos, sin = np.cos(self.yaw), np.sin(self.yaw)
         x, y, z = normals.T
         own = np.stack([cos * x + sin * y, cos * y - sin * x, z], axis=-1)
@@ -67,7 +67,7 @@ class CylinderShape(NamedTuple):
     half_height: float
 
     def support(self, normals):
-        """max over the body of normal · point (m)."""
+        """Greatest normal · point over the body (m)."""
         level = np.hypot(normals[:, 0], normals[:, 1])
         return (
             normals @ self.center + self.radius * level + self.half_height * np.abs(normals[:, 2])
@@ -91,7 +91,7 @@ class CapsuleShape(NamedTuple):
     radius: float
 
     def support(self, normals):
-        """max over the body of normal · point (m)."""
+        """Greatest normal · point over the body (m)."""
         return np.maximum(normals @ self.start, normals @ self.stop) + self.radius
 
     def add(self, spec, name):

@@ -5,12 +5,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from jaxsusp._files import write_text
 from jaxsusp._types import Float
 from jaxsusp.plans import Plan
+from jaxsusp.verify.engine import mujoco
 from jaxsusp.verify.model import DAMPING, STIFFNESS, build_spec
 
 SETTLING = 3.0
@@ -148,7 +148,7 @@ def winch_commands(
     stretch alone, as a rope does, whatever speed it is reeled with.
     """
     motion = plan.at(times)
-    hooks = motion.position + [0.0, 0.0, plan.scenario.payload.height / 2]
+    hooks = motion.position + np.array([0.0, 0.0, plan.scenario.payload.height / 2])
     cables = hooks[:, None] - plan.ends[None]
     lengths = np.linalg.norm(cables, axis=-1)
     rates = (cables * motion.velocity[:, None]).sum(axis=-1) / lengths
