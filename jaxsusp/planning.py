@@ -1,5 +1,6 @@
 """From a task to a verified plan: search, smooth, check, and search again (Fig. 2; spec §10)."""
 
+import dataclasses
 import os
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ from jaxsusp.problem import SEARCHES, Problem, stack_problems
 from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.trajectory.gentle import gently
 from jaxsusp.vec3 import Vec3
+from jaxsusp.verify.simulation import simulate
 from jaxsusp.world import build_world, rounded_counts
 
 SEARCH = "box"
@@ -38,6 +40,9 @@ the smooth curve departs from the polyline that the search checks by about as mu
 TENSION_MARGIN = (5.0, 3.0)
 """N by which the search draws the lower and the upper tension limit in, as far as start and goal
 allow: inertia takes and adds on the real curve, and a cable with little tension is easily upset."""
+
+GENTLE_TILT = 0.5
+"""Degrees of tilt up to which a load is taken to follow its plan without being simulated."""
 
 ROUNDS = 3
 """Most alternations of placing the ends and planning the load."""
@@ -91,7 +96,8 @@ def plan(
     and checked against all of Eq. 22 and in continuous time. Where none of them stands, the
     planner tries again: with further runs, then other ends (where they are placed), then more
     waypoints, each time with twice as many runs. A plan that breaks a limit is never returned as
-    feasible.
+    feasible. A feasible plan that a swinging load does not follow in simulation is only returned
+    where nothing better was found (`settings["tracked"]` tells).
 
     Args:
         scenario: the task, or its name or file.
@@ -153,17 +159,16 @@ def plan(
                 tries = _alternating(scenario, settings, attempt, first + batch)
             for found in tries:
                 tally.note(found)
-            if tally.best is not None and tally.best.feasible:
+            if tally.done:
                 break
-        if tally.best is not None and tally.best.feasible:
+        if tally.done:
             break
     assert tally.best is not None
-    return _signed(tally.best, {
-        "algorithm": optimizer.name, "ends": ends, "runs": runs, "iterations": iterations,
-        "population": population, "retries": retries, "seed": seed, "samples": samples,
-        "waypoints": len(tally.best.waypoints), "search": search, "coordination": coordination,
-        "attempts": made, "runs_made": tally.runs,
-    })  # fmt: skip
+    return _with_settings(
+        tally.best, algorithm=optimizer.name, ends=ends, runs=runs, iterations=iterations,
+        population=population, retries=retries, seed=seed, samples=samples, search=search,
+        coordination=coordination, attempts=made, runs_made=tally.runs,
+    )  # fmt: skip
 
 
 class _Attempt(NamedTuple):
@@ -200,15 +205,24 @@ class _Tally:
         if self.best is None or _rank(found) < _rank(self.best):
             self.best = found
 
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to wish for."""
+        return self.best is not None and _good(self.best)
+
 
 def _rank(plan: Plan) -> tuple:
-    return not plan.feasible, 0 if plan.feasible else len(plan.reasons), plan.settings["fitness"]
+    settings = plan.settings
+    return not plan.feasible, len(plan.reasons), not settings["tracked"], settings["fitness"]
 
 
-def _signed(plan: Plan, settings: dict[str, Any]) -> Plan:
-    """The plan with all settings it was found with."""
-    content = {name: getattr(plan, name) for name in plan.__dataclass_fields__}
-    return Plan(**{**content, "settings": {**settings, **plan.settings}})
+def _good(plan: Plan) -> bool:
+    return plan.feasible and plan.settings["tracked"]
+
+
+def _with_settings(plan: Plan, **settings: Any) -> Plan:
+    """The plan with more of the settings it was found with."""
+    return dataclasses.replace(plan, settings={**plan.settings, **settings})
 
 
 def _given(scenario: Scenario, settings: _Settings, waypoints: int, first: int) -> Iterator[Plan]:
@@ -246,7 +260,7 @@ def _alternating(
         )  # ends for the straight line come first
         best = None
     else:
-        best = _first_feasible(_given(scenario, settings, attempt.waypoints, first))
+        best = _first_good(_given(scenario, settings, attempt.waypoints, first))
         yield best
         position = best.path
     for number in range(ROUNDS):
@@ -261,7 +275,7 @@ def _alternating(
         moved = _with_ends(scenario, placement.ends)
         candidates = _search(moved, settings, attempt.waypoints, first, best)
         pairs = ((x, placement.ends) for x in candidates)
-        found = _first_feasible(_checked(scenario, settings, pairs))
+        found = _first_good(_checked(scenario, settings, pairs))
         yield found
         gained = best is None or _gain(best, found) > GAIN
         if best is not None and best.feasible and not gained:
@@ -269,8 +283,8 @@ def _alternating(
         best, position = found, found.path
 
 
-def _first_feasible(tries: Iterator[Plan]) -> Plan:
-    """The first feasible plan, or the best of all."""
+def _first_good(tries: Iterator[Plan]) -> Plan:
+    """The first plan that leaves nothing to wish for, or the best of all."""
     kept: Plan | None = None
     for found in tries:
         if kept is None or _rank(found) < _rank(kept):
@@ -297,9 +311,16 @@ def _checked(scenario: Scenario, settings: _Settings, pairs) -> Iterator[Plan]:
             scenario, np.asarray(x, np.float64).reshape(-1, 3), ends, settings.samples,
             settings={"fitness": fitness},
         )  # fmt: skip
+        found = _with_settings(found, tracked=found.feasible and _tracks(found))
         yield found
-        if found.feasible:
+        if _good(found):
             return
+
+
+def _tracks(plan: Plan) -> bool:
+    """Whether a load that swings stays with the plan: simulated, unless it hardly accelerates."""
+    tilt = next(each.value for each in plan.report if each.name == "tilt of the load")
+    return tilt <= GENTLE_TILT or not simulate(plan).problems(plan)
 
 
 def _search(

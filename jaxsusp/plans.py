@@ -207,12 +207,16 @@ def _reasons(report: tuple[Check, ...], certificate: Certificate) -> list[str]:
     ]
     for contact in certificate.contacts:
         one, other = contact.bodies
-        state = "touches" if contact.value <= 0 else f"comes within {contact.value:.4g} m of"
-        if contact.required == 0 or contact.value <= 0:
-            needed = ""
+        required = f"the {contact.required:.4g} m required"
+        if contact.least <= 0:
+            found.append(
+                f"{one} hits {other}: it is nearer than {required} from {contact.time:.2f} s"
+            )
         else:
-            needed = f", {contact.required:.4g} m are required"
-        found.append(f"{one} {state} {other} at {contact.time:.2f} s{needed}")
+            found.append(
+                f"{one} comes as near as {contact.least:.4g} m to {other}, nearer than {required} "
+                f"from {contact.time:.2f} s"
+            )
     if not certificate.proved and not certificate.contacts:
         found.append(
             f"clearance was not proved after {certificate.distances} distances; move the path "

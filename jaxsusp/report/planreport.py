@@ -21,7 +21,7 @@ def limits_table(
             "value": [_with_unit(each.value, each.unit) for each in report],
             "allowed": [_allowed(each) for each in report],
             "margin": [each.margin for each in report],
-            "at": [each.time for each in report],
+            "at": [np.nan if each.time is None else each.time for each in report],
             "of": [each.about.removeprefix("load and ") for each in report],
         }
     )

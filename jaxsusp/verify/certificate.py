@@ -7,7 +7,7 @@ towards the plane follows from proven bounds of the path's derivatives, and the 
 along n is a closed form, so the certificate rests on MuJoCo only for the choice of the plane.
 Parameter intervals for which the proof fails are halved until every one is proved or a parameter
 with too little clearance is found. Intervals that might hold a smaller clearance than the least
-found so far are halved as well: the least clearance is exact to `TOLERANCE`.
+found so far are halved as well: the least clearance is exact to `TOLERANCE` where nothing fails.
 """
 
 from collections.abc import Sequence
@@ -32,6 +32,7 @@ NEAR_HOOK = 0.1
 """Share of a cable's length, from its lower end, that is not checked against other cables: there
 they come together by construction."""
 
+_COARSE = 2e-3  # m; how exact the least distance of a pair that fails has to be
 _NARROW = 1e-5  # m of the parameter; an interval that short without a proof is a failure
 _MOST = 400_000  # distances, beyond which a proof is given up
 
@@ -70,6 +71,7 @@ class Contact(NamedTuple):
     bodies: tuple[str, str]
     value: float  # m, the distance then
     required: float  # m
+    least: float  # m, the least distance seen of this pair
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ def certify(
     if not (first_only and any(each.slack < -ROUNDING for each in still)):
         search.run()
     contacts = [
-        Contact(0.0, each.bodies, each.value, each.required)
+        Contact(0.0, each.bodies, each.value, each.required, each.value)
         for each in still
         if each.slack < -ROUNDING
     ]
@@ -183,6 +185,7 @@ class _Search:
         count = len(self._pairs.body)
         self._first = np.full(count, np.inf)  # parameter of the first failure of every pair
         self._first_value = np.full(count, np.nan)
+        self._least = np.full(count, np.inf)
         self._best = np.full(5, np.inf)  # least distance of every kind, where, and of which pair
         self._best_at = np.zeros(5)
         self._best_pair = np.zeros(5, int)
@@ -216,9 +219,9 @@ class _Search:
         np.minimum.at(self._first, pair[stuck], middle[stuck])
         self._first_value[pair[stuck]] = value[stuck]
         earlier = unproved & (a < self._first[pair]) & (half > 10 * _NARROW)
-        go_on = np.where(failing, earlier, unproved & ~stuck)
-        margin = np.where(failing, 10 * TOLERANCE, TOLERANCE)
-        go_on |= (lower < self._best[kind] - margin) & (half > _NARROW)
+        nearer = (self._least[pair] > 0) & (lower < self._least[pair] - _COARSE)
+        go_on = np.where(failing, earlier | (nearer & (half > _COARSE / 2)), unproved & ~stuck)
+        go_on |= ~failing & (lower < self._best[kind] - TOLERANCE) & (half > _NARROW)
         pair, a, b, middle = pair[go_on], a[go_on], b[go_on], middle[go_on]
         return np.tile(pair, 2), np.append(a, middle), np.append(middle, b)
 
@@ -244,6 +247,7 @@ class _Search:
 
     def _note(self, pair, middle, value) -> None:
         """Remember failures and least distances."""
+        np.minimum.at(self._least, pair, value)
         failed = value < self._pairs.required[pair] - ROUNDING
         for row in np.flatnonzero(failed):
             if middle[row] < self._first[pair[row]]:
@@ -322,6 +326,7 @@ class _Search:
                 self._names(pair),
                 float(self._first_value[pair]),
                 float(self._pairs.required[pair]),
+                float(min(self._least[pair], self._first_value[pair])),
             )
             for pair in np.flatnonzero(np.isfinite(self._first))
         ]

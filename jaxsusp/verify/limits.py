@@ -29,7 +29,7 @@ class Check(NamedTuple):
     low: float  # -inf where there is no lower limit
     high: float
     unit: str
-    time: float  # s, when the value occurs; NaN where it does not depend on time
+    time: float | None  # s, when the value occurs; None where it does not depend on time
     about: str  # which body, cable or robot; "" for the whole system
     slack: float = 0.0  # how far beyond a limit rounding may be
 
@@ -56,7 +56,7 @@ class Check(NamedTuple):
     def reason(self) -> str:
         """What is wrong, as a sentence."""
         about = f" of {self.about}" if self.about else ""
-        when = "" if np.isnan(self.time) else f" at {self.time:.2f} s"
+        when = "" if self.time is None else f" at {self.time:.2f} s"
         value = f"{self.value:.5g} {self.unit}".rstrip()
         return f"{self.name}{about} is {value}{when}, allowed is {self.limit}"
 
@@ -199,7 +199,7 @@ def _robots(scenario: Scenario, ends: np.ndarray, joints: np.ndarray) -> list[Ch
             distance = float(arm.shoulder_distance(base, links, jnp.asarray(ends[k])))
             near, far = map(float, arm.reach(links))
             about = f"robot {k + 1}"
-            checks.append(Check("reach", distance, near, far, "m", np.nan, about, 1e-9))
+            checks.append(Check("reach", distance, near, far, "m", None, about, 1e-9))
     limits = scenario.limits.joint_limits_deg
     if limits is not None:
         for k in range(len(ends)):
@@ -207,7 +207,7 @@ def _robots(scenario: Scenario, ends: np.ndarray, joints: np.ndarray) -> list[Ch
             for i, (low, high) in enumerate(ranges):
                 value, about = float(np.rad2deg(joints[k, i])), f"robot {k + 1}"
                 checks.append(
-                    Check(f"joint angle φ{i + 1}", value, low, high, "°", np.nan, about, 1e-9)
+                    Check(f"joint angle φ{i + 1}", value, low, high, "°", None, about, 1e-9)
                 )
     return checks
 
