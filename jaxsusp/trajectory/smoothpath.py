@@ -42,15 +42,20 @@ class SmoothPath:
 
     @cached_property
     def _chords(self) -> tuple[np.ndarray, np.ndarray]:
-        """Parameters and positions of the distinct points; at least two parameters."""
+        """Parameters and positions of the distinct points, at least four of them."""
         points = np.asarray(self.points, np.float64)
         chord = np.linalg.norm(np.diff(points, axis=0), axis=1)
         moves = np.append(True, chord > 1e-9 * max(1.0, float(chord.sum())))
         u = np.append(0.0, np.cumsum(chord))[moves]
-        if len(u) == 1:  # a path that stays where it is
-            return np.array([0.0, 1.0]), points[[0, 0]]
         kept = points[moves]
         kept[-1] = points[-1]
+        if len(u) == 1:  # a path that stays where it is
+            u, kept = np.array([0.0, 1.0]), points[[0, 0]]
+        while len(u) < 4:  # the natural quintic spline needs four
+            halves = np.linspace(0, len(u) - 1, 2 * len(u) - 1)
+            rows = np.arange(len(u))
+            kept = np.stack([np.interp(halves, rows, axis) for axis in kept.T], axis=1)
+            u = np.interp(halves, rows, u)
         return u, kept
 
     @cached_property

@@ -94,7 +94,7 @@ class TimeLaw:
     def time_of(self, u: Float[np.ndarray, "*batch"] | float) -> Float[np.ndarray, "*batch"]:
         """The time (s) at which the load passes parameter u of the path, to within 1 ms."""
         reached = np.asarray(self.path.arc(np.asarray(u))) / max(self.path.length, 1e-12)
-        return self.duration * np.interp(reached, *self._clock)
+        return np.asarray(self.duration * np.interp(reached, *self._clock))
 
 
 def _rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ vertices here; and mesh vertices are single precision, which moves a face by up 
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,18 +19,6 @@ from jaxsusp.verify.engine import mujoco
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _FAR = 1e3  # m, beyond every distance asked for
 _THIN = 1e-4  # m, least half-extent of a box: MuJoCo refuses flatter meshes
-
-
-class Shape(Protocol):
-    """A convex body that knows how far it reaches in a direction."""
-
-    def support(self, normals: Float[np.ndarray, "n xyz"]) -> Float[np.ndarray, "n"]:
-        """Greatest normal · point over the body (m)."""
-        ...
-
-    def add(self, spec: Any, name: str) -> None:
-        """Add the body to a MuJoCo model as a geom of the world."""
-        ...
 
 
 class BoxShape(NamedTuple):
@@ -106,6 +94,10 @@ class CapsuleShape(NamedTuple):
             fromto=[*self.start, *self.stop],
             size=[self.radius, 0, 0],
         )
+
+
+Shape = BoxShape | CylinderShape | CapsuleShape
+"""Convex bodies that know how far they reach in a direction, and how to become a geom."""
 
 
 class Fixed(NamedTuple):
