@@ -5,7 +5,7 @@ works it out. A plan holds the results as well, so that it can be used without t
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -92,8 +92,8 @@ class Plan:
 
 def plan_through(
     scenario: Scenario,
-    waypoints: Float[Array, "waypoints xyz"],
-    ends: Float[Array, "cables xyz"] | None = None,
+    waypoints: Float[Array, "..."] | Sequence,
+    ends: Float[Array, "..."] | Sequence | None = None,
     samples: int = 40,
     *,
     elbow_up: Any = None,
@@ -103,8 +103,8 @@ def plan_through(
 
     Args:
         scenario: the task.
-        waypoints: positions of the load's centre between start and goal (m).
-        ends: upper cable ends (m); default the scenario's.
+        waypoints: (m, 3), positions of the load's centre between start and goal (m).
+        ends: (K, 3), upper cable ends (m); default the scenario's.
         samples: number n of samples of the path and of the plan.
         elbow_up: of every robot; default chosen, see `jaxsusp.coordination.arms`.
         settings: kept with the plan.

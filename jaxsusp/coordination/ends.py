@@ -110,7 +110,7 @@ def arm_faults(world: World, robots: Robots, position: Vec3, ends: Array) -> Arr
     """Arms that come too close to something, and robots that come too close to each other."""
     posture = choose_postures(world, robots, position, ends)
     apart = separation_slack(robots, posture.chains)
-    arms = (posture.slack < ARM_MARGIN).astype(jnp.int32).sum()
+    arms = (posture.slack < ARM_MARGIN).sum(dtype=jnp.int32)
     return arms + (apart < ARM_MARGIN).astype(jnp.int32)
 
 
