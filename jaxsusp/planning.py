@@ -44,7 +44,7 @@ allow: inertia takes and adds on the real curve, and a cable with little tension
 GENTLE_TILT = 0.5
 """Degrees of tilt up to which a load is taken to follow its plan without being simulated."""
 
-ROUNDS = 3
+ROUNDS = 2
 """Most alternations of placing the ends and planning the load."""
 
 GAIN = 0.005
@@ -268,7 +268,7 @@ def _alternating(
         placement = place_ends(
             _with_margins(scenario, moving_ends=True), position, settings.optimizer,
             (settings.seed + first + number) % 2**32, settings.runs,
-            max(1, 2 * settings.iterations // 3), settings.population,
+            max(1, settings.iterations // 3), settings.population,
         )  # fmt: skip
         if best is not None and placement.faults:
             return

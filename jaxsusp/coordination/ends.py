@@ -8,7 +8,7 @@ population algorithm of the package solves it, batched over runs like the load p
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -55,7 +55,7 @@ class EndFitness:
 
     world: World
     robots: Robots
-    position: Float[Array, "samples xyz"]
+    position: Any  # (samples, xyz), m; a leaf of a pytree: may be stacked, or a placeholder
 
     def terms(self, x: Float[Array, "dim"]) -> EndValue:
         """All that a placement is judged by, in the dtype of x."""
@@ -65,9 +65,12 @@ class EndFitness:
         position = Vec3.from_array(jnp.asarray(self.position, x.dtype))
         lengths, tensions = tensions_at(world, position)
         interval = world.duration / (len(self.position) - 1)
-        faults = count_collisions(position, world.bodies, world.obstacles)
-        faults += count_violations(world, position, lengths, tensions, with_stability=True)
-        faults += arm_faults(world, robots, position, ends)
+        counts = (
+            count_collisions(position, world.bodies, world.obstacles),
+            count_violations(world, position, lengths, tensions, with_stability=True),
+            arm_faults(world, robots, position, ends),
+        )
+        faults = jnp.stack([count.astype(jnp.int32) for count in counts]).sum()
         cable = jnp.stack([length.max() for length in lengths]).sum()
         rate = tension_length_rate(lengths, tensions, interval)
         total = world.weights[2] * cable + world.weights[3] * rate
@@ -212,7 +215,7 @@ def place_ends(
     )
     found = outcome.x[0]
     if refined:
-        found = refine(problem, found, seed)
+        found = refine(problem, found, seed, iterations=100, candidates=32)
     values = [evaluate_ends(problem, x) for x in found]
     return min(values, key=lambda each: (each.faults, each.cable + each.tension_rate))
 
