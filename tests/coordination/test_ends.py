@@ -58,7 +58,9 @@ def test_placed_ends_are_better_than_the_given_ones(scenarios, path):
     scenario = scenarios[0]
     given_ends = np.array([robot.end for robot in scenario.robots])
     before = evaluate_ends(end_problem(scenario, path), encode(given_ends))
-    placed = js.place_ends(scenario, path, "pso", seed=1, runs=2, iterations=30, population=20)
+    placed = js.place_ends(
+        scenario, path, "pso", seed=1, runs=2, iterations=40, population=20, refined=False
+    )
     assert placed.faults == 0
     assert placed.cable + placed.tension_rate < before.cable + before.tension_rate - 1
     plan = plan_through(scenario, LOW, placed.ends)
