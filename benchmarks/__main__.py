@@ -13,6 +13,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.planning import planning_rows
 from benchmarks.steps import evaluations_only
 from benchmarks.timing import least_seconds, run_process
 from jaxsusp.batch import run_batch
@@ -110,6 +111,8 @@ def main() -> None:
     console.print("", f"{len(chosen)} scenarios × {RUNS} runs × {ITERATIONS} iterations:", table)
     total = sum(row["run_s"] for row in numbers["optimisers"])
     console.print(f"all four after compilation: {total:.1f} s (target 35)")
+
+    numbers["planning"] = planning_rows(console)
 
     if not arguments.quick:
         with tempfile.TemporaryDirectory() as folder:

@@ -10,7 +10,9 @@ Importing the package sets nothing global.
 """
 
 from jaxsusp.comparison import compare
+from jaxsusp.coordination.ends import Placement, joint_problem, place_ends
 from jaxsusp.errors import InputError
+from jaxsusp.feasibility import ImpossibleTaskError
 from jaxsusp.fitness import FitnessTerms
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.space import FreeSpace, load_free_space
@@ -22,6 +24,9 @@ from jaxsusp.optim.ga import ga
 from jaxsusp.optim.pso import pso
 from jaxsusp.optim.registry import ALGORITHMS
 from jaxsusp.optim.sdbo import sdbo
+from jaxsusp.planfile import load_plan
+from jaxsusp.planning import plan
+from jaxsusp.plans import Plan, plan_through
 from jaxsusp.problem import Problem
 from jaxsusp.results import append as append_results
 from jaxsusp.results import load as load_results
@@ -29,6 +34,7 @@ from jaxsusp.results import save as save_results
 from jaxsusp.scenario import Scenario, ScenarioError, examples, load_scenario, scenarios
 from jaxsusp.studies.random_scenario import random_scenario
 from jaxsusp.tensions import tensions
+from jaxsusp.verification import Verification, verify_plan
 from jaxsusp.workspace import Workspace, workspace
 
 __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
@@ -68,4 +74,15 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "append_results",
     "load_results",
     "save_results",
+    # plans
+    "plan",
+    "Plan",
+    "load_plan",
+    "plan_through",
+    "place_ends",
+    "joint_problem",
+    "Placement",
+    "verify_plan",
+    "Verification",
+    "ImpossibleTaskError",
 ]

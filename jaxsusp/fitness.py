@@ -137,7 +137,7 @@ def fitness_terms(
         norm(step).sum(axis=0),
         jnp.abs(position.z - world.start.z).sum(axis=0),
         _add([length.max(axis=0) for length in lengths]),
-        _tension_length_rate(lengths, tensions, interval),
+        tension_length_rate(lengths, tensions, interval),
         _total_curvature(step),
         world.kappa * (collisions + violations).astype(x.dtype),
     )
@@ -145,8 +145,8 @@ def fitness_terms(
     return FitnessTerms(*terms, collisions, violations, total)
 
 
-def _tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -> Array:
-    """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt| (Eq. 21 as spec §9 reads it)."""
+def tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -> Array:
+    """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt| (Eq. 21 as spec §9 reads it), samples on axis 0."""
     rates = [
         jnp.abs(_difference(tension) * _difference(length))
         for tension, length in zip(tensions, lengths, strict=True)

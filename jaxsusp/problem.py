@@ -310,3 +310,17 @@ def require_plannable(scenario: Scenario) -> None:
             f'{scenario.name}: drive = "{scenario.drive}" with separate payload.attachments '
             'cannot be planned; give drive = "cable", or attachments = "hook"'
         )
+
+
+def require_hook_with_three_cables(scenario: Scenario) -> None:
+    """Refuse systems but three cables at one hook with fixed ends, where nothing else will do."""
+    if (
+        scenario.payload.attachments != "hook"
+        or len(scenario.robots) != 3
+        or scenario.drive != "cable"
+    ):
+        raise InputError(
+            f'{scenario.name}: plans need payload.attachments = "hook", three robots and '
+            f'drive = "cable", got {len(scenario.robots)} robots, drive = "{scenario.drive}" and '
+            f"attachments {scenario.payload.attachments!r}"
+        )

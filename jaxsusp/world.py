@@ -84,6 +84,18 @@ def obstacle_counts(scenarios: Sequence["Scenario"]) -> tuple[int, int, int]:
     return boxes, cylinders, spheres
 
 
+def rounded_counts(scenario: "Scenario") -> tuple[int, int, int]:
+    """Padded (boxes, cylinders, spheres), each a power of two from 2 up.
+
+    For programs that meet one scenario after the other: those of about the same size share the
+    compiled program.
+    """
+    boxes, cylinders, spheres = (
+        2 ** max(1, (count - 1).bit_length()) for count in obstacle_counts([scenario])
+    )
+    return boxes, cylinders, spheres
+
+
 def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None) -> World:
     """Scenario → World, float64 on the host, obstacles padded to `counts` (default: no padding)."""
     payload, limits, robots = scenario.payload, scenario.limits, scenario.robots

@@ -1,12 +1,14 @@
 """The command line: parse, call the library, write. Results on stdout, progress on stderr.
 
-One file per command or pair of commands. Exit status: 0 when it completed, 2 for bad input, 130
-when interrupted.
+One file per command or pair of commands. Exit status: 0 when it completed, 1 where the answer is
+"infeasible", 2 for bad input, 130 when interrupted.
 """
 
 from jaxsusp.cli import compare as compare
 from jaxsusp.cli import freespace as freespace
 from jaxsusp.cli import listing as listing
+from jaxsusp.cli import plan as plan
+from jaxsusp.cli import verify as verify
 from jaxsusp.cli import workspace as workspace
 from jaxsusp.cli.application import app, fail
 from jaxsusp.errors import InputError

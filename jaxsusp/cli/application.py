@@ -88,6 +88,12 @@ def interrupts() -> Iterator[Callable[[], None]]:
         signal.signal(signal.SIGINT, before)
 
 
+def wide_console() -> Console:
+    """Stdout for tables of seven columns: into a pipe they are not cut at 80 characters."""
+    stdout = Console()
+    return stdout if stdout.is_terminal else Console(width=max(stdout.width, 110))
+
+
 def print_rows(rows: list[dict], as_json: bool) -> None:
     """A plain listing, for people or for machines."""
     if as_json:

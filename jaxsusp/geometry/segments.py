@@ -6,8 +6,8 @@ reported as a hit by the box test; the fitness catches NaN by other means and ne
 
 import jax.numpy as jnp
 
-from jaxsusp._types import Array, Bool
-from jaxsusp.vec3 import Vec3, cross, dot
+from jaxsusp._types import Array, Bool, Float
+from jaxsusp.vec3 import Vec3, cross, dot, safe_sqrt
 
 _TINY = 1e-30  # replaces an exact zero divisor: the quotient is then huge, never NaN
 
@@ -57,3 +57,23 @@ def segment_meets_sphere(a: Vec3, b: Vec3, radius) -> Bool[Array, "..."]:
     t = jnp.clip(-dot(a, along) / jnp.where(square == 0, _TINY, square), 0, 1)
     closest = a + t * along
     return dot(closest, closest) <= radius**2
+
+
+def segment_distance(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Float[Array, "..."]:
+    """Distance (m) between the segments a-b and c-d.
+
+    The closest points of the two lines, brought back into the segments one after the other
+    (Ericson, Real-Time Collision Detection, 5.1.9). Parallel segments start from the point a.
+    """
+    one, two, gap = b - a, d - c, a - c
+    aa, bb, ab = dot(one, one), dot(two, two), dot(one, two)
+    ag, bg = dot(one, gap), dot(two, gap)
+    aa, bb = jnp.maximum(aa, _TINY), jnp.maximum(bb, _TINY)
+    square = aa * bb - ab * ab
+    skew = square > 1e-9 * aa * bb
+    s = jnp.clip(jnp.where(skew, (ab * bg - ag * bb) / jnp.where(skew, square, 1), 0), 0, 1)
+    t = jnp.clip((ab * s + bg) / bb, 0, 1)
+    s = jnp.clip((ab * t - ag) / aa, 0, 1)
+    t = jnp.clip((ab * s + bg) / bb, 0, 1)
+    closest = gap + s * one - t * two
+    return safe_sqrt(dot(closest, closest))

@@ -51,6 +51,18 @@ def elbow(
     return forward(base, jnp.stack([a1, a2, 0 * a2], axis=-1), joints)
 
 
+def chain(
+    base: Float[Array, "*#batch xyz"],
+    links: Float[Array, "*#batch joints"],
+    joints: Float[Array, "*#batch joints"],
+) -> Float[Array, "*batch points=4 xyz"]:
+    """Foot, shoulder, elbow and end of a robot (m): the axes of column and links in between."""
+    base, links, joints = jnp.broadcast_arrays(base, links, joints)
+    shoulder = base.at[..., 2].add(links[..., 0])
+    points = base, shoulder, elbow(base, links, joints), forward(base, links, joints)
+    return jnp.stack(points, axis=-2)
+
+
 def inverse(
     base: Float[Array, "*#batch xyz"],
     links: Float[Array, "*#batch joints"],

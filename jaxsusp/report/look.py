@@ -10,11 +10,13 @@ import os
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.image import imsave
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -71,6 +73,12 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a figure as PNG, atomically; the same figure gives the same bytes."""
     with atomic_path(path) as scratch:
         figure.savefig(scratch, format="png", dpi=DPI, metadata={"Software": None})
+
+
+def picture_file(pixels: np.ndarray, path: str | os.PathLike[str]) -> None:
+    """Write an image (height, width, 3) of bytes as PNG, atomically."""
+    with atomic_path(path) as scratch:
+        imsave(scratch, pixels, format="png", metadata={})
 
 
 def styles(algorithms: Iterable[str]) -> dict[str, Style]:

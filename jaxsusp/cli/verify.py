@@ -1,0 +1,84 @@
+"""`jaxsusp verify`."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jaxsusp import launch
+from jaxsusp.cli.application import Json, app, note, wide_console
+from jaxsusp.planfile import load_plan
+from jaxsusp.verification import Verification, verify_plan
+
+
+@app.command(
+    epilog="Example: jaxsusp verify results/scenario-1.plan.json --video plan.mp4",
+)
+def verify(
+    plan: Annotated[Path, typer.Argument(help="A plan that `jaxsusp plan` wrote.")],
+    model: Annotated[
+        Path | None, typer.Option(help="Write the MuJoCo model (MJCF) to this XML file.")
+    ] = None,
+    images: Annotated[
+        Path | None, typer.Option(help="Write five rendered PNG images into this folder.")
+    ] = None,
+    video: Annotated[
+        Path | None, typer.Option(help="Write a rendered film, four times as fast, to this MP4.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Check a plan anew: limits, continuous-time certificate, simulation; exit 1 if refused."""
+    launch.configure()
+    given = load_plan(plan)
+    files = []
+    if model is not None:
+        from jaxsusp.verify.simulation import export_model
+
+        export_model(given, model)
+        files.append(model)
+    simulation = True
+    if images is not None or video is not None:
+        from jaxsusp.verify.pictures import NoRendererError, render
+
+        try:
+            simulation, rendered = render(given, images, video)
+            files += rendered
+        except NoRendererError as error:  # the verification itself needs no renderer
+            note(str(error))
+    found = verify_plan(given, simulation)
+    name = given.scenario.name
+    if as_json:
+        print(json.dumps(_record(found, name, files), indent=2, allow_nan=False))
+    else:
+        _show(found, name)
+    for file in files:
+        note(f"wrote {file}")
+    raise typer.Exit(0 if found.ok else 1)
+
+
+def _record(found: Verification, name: str, files: list[Path]) -> dict:
+    from jaxsusp.cli.plan import as_record
+
+    record = {**as_record(found.plan, files), "feasible": found.ok, "reasons": list(found.reasons)}
+    del record["settings"]
+    if found.simulation is not None:
+        record["simulation"] = {
+            "tracking_error_m": found.simulation.tracking_error,
+            "tension_error": found.simulation.tension_error,
+            "swing_deg": found.simulation.swing,
+            "peak_tension_N": found.simulation.peak_tension,
+            "contacts": [list(contact) for contact in found.simulation.contacts],
+        }
+    return {"scenario": name, **record}
+
+
+def _show(found: Verification, name: str) -> None:
+    from jaxsusp.report.planreport import limits_table, simulation_table, verdict
+    from jaxsusp.report.render import to_rich
+
+    stdout = wide_console()
+    stdout.print(to_rich(limits_table(found.plan.report)), "")
+    if found.simulation is not None:
+        stdout.print(to_rich(simulation_table(found.simulation)), "")
+    stdout.print(verdict(found.ok, found.reasons, name), markup=False, highlight=False)

@@ -1,0 +1,187 @@
+"""The robots beside the load: where their columns and links are, and how close things come.
+
+Written for one set of ends, in the dtype of what it is given; the search maps it over candidates.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp._types import Array, Bool, Float
+from jaxsusp.geometry.obstacles import Obstacles
+from jaxsusp.geometry.segments import (
+    segment_distance,
+    segment_meets_box,
+    segment_meets_cylinder,
+    segment_meets_sphere,
+)
+from jaxsusp.mechanics import arm
+from jaxsusp.scenario import Scenario
+from jaxsusp.vec3 import Vec3
+from jaxsusp.world import World
+
+PARTS = 3
+"""Bodies of an arm: column, upper link, lower link."""
+
+
+class Robots(NamedTuple):
+    """The K robots of a scenario (m, rad)."""
+
+    base: Float[Array, "cables xyz"]
+    links: Float[Array, "cables joints"]
+    radius: Float[Array, "cables parts=3"]
+    joint_low: Float[Array, "cables joints"]
+    joint_high: Float[Array, "cables joints"]
+    separation: Float[Array, ""]
+
+
+def build_robots(scenario: Scenario) -> Robots:
+    """Scenario → Robots, float64 on the host. Joints without limits have infinite ones."""
+    robots, limits = scenario.robots, scenario.limits.joint_limits_deg
+    count = len(robots)
+    ranges = np.tile([-np.inf, np.inf], (count, 3, 1))
+    if limits is not None:
+        ranges = np.broadcast_to(np.deg2rad(np.array(limits)), (count, 3, 2))
+    return Robots(
+        np.array([robot.base for robot in robots], np.float64),
+        np.array([robot.links for robot in robots], np.float64),
+        np.array([[robot.column_radius, *[robot.link_radius] * 2] for robot in robots]),
+        np.ascontiguousarray(ranges[..., 0]),
+        np.ascontiguousarray(ranges[..., 1]),
+        np.array(scenario.limits.separation, np.float64),
+    )
+
+
+class Posture(NamedTuple):
+    """How every robot holds its end."""
+
+    joints: Float[Array, "cables joints"]  # rad
+    chains: Float[Array, "cables points=4 xyz"]  # foot, shoulder, elbow, end; m
+    slack: Float[Array, "cables"]  # clearance beyond what is required at the samples, m
+    elbow_up: Bool[Array, "cables"]
+
+
+def choose_postures(
+    world: World, robots: Robots, position: Vec3, ends: Float[Array, "cables xyz"]
+) -> Posture:
+    """Elbow up (spec §1), or down where the elbow would be in the way and down is better.
+
+    An arm whose elbow is up leans over its own column, where its own cable may pass: with the
+    nominal ends of the benchmark it does. What is in the way is told at the samples: obstacles,
+    the load, the cables of others, and the own cable as far as column and upper link go.
+
+    Args:
+        world: obstacles, load and distances required.
+        robots: the robots.
+        position: the load's centre at samples along axis 0 (m).
+        ends: P_k (m).
+    """
+    solution = arm.inverse(robots.base, robots.links, ends)
+    joints = jnp.stack([solution.elbow_up, solution.elbow_down])
+    chains = jax.vmap(arm.chain, in_axes=(None, None, 0))(robots.base, robots.links, joints)
+    slack = jax.vmap(_slack, in_axes=(None, None, None, None, 0))(
+        world, robots, position, ends, chains
+    )
+    allowed = (joints >= robots.joint_low[None]) & (joints <= robots.joint_high[None])
+    slack = jnp.where(allowed.all(axis=-1), slack, -1)
+    up = jnp.logical_or(slack[0] >= 0, slack[0] >= slack[1])
+    return Posture(
+        jnp.where(up[:, None], *joints),
+        jnp.where(up[:, None, None], *chains),
+        jnp.where(up, *slack),
+        up,
+    )
+
+
+def separation_slack(robots: Robots, chains: Float[Array, "cables points=4 xyz"]) -> Array:
+    """Least distance between arms, or ends, of different robots beyond what is required (m)."""
+    one, other = np.triu_indices(len(chains), 1)
+    starts, stops = _parts(chains)
+
+    def pick(points: Vec3, which: np.ndarray, axis: int) -> Vec3:
+        return points.each(lambda c: jnp.expand_dims(c[which], axis))
+
+    gap = segment_distance(
+        *(pick(points, one, 2) for points in (starts, stops)),
+        *(pick(points, other, 1) for points in (starts, stops)),
+    )  # (pairs, parts, parts)
+    gap = gap - robots.radius[one][:, :, None] - robots.radius[other][:, None, :]
+    ends = chains[one, 3] - chains[other, 3]
+    apart = jnp.sqrt((ends**2).sum(axis=-1))
+    return jnp.minimum(gap.min(), apart.min()) - robots.separation
+
+
+def _slack(world: World, robots: Robots, position: Vec3, ends, chains) -> Float[Array, "cables"]:
+    """Least clearance of every arm beyond what is required; -1 where it meets an obstacle."""
+    bodies, count = world.bodies, len(chains)
+    starts, stops = _parts(chains)
+    axis = Vec3(0 * position.x, 0 * position.y, 0 * position.z + bodies.half_height)
+    load = segment_distance(
+        _spread(starts, 1), _spread(stops, 1),
+        _lead(position - axis, 2), _lead(position + axis, 2),
+    )  # (arms, parts, samples)  # fmt: skip
+    load = load.min(axis=-1) - bodies.radius
+
+    hooks = Vec3(
+        *(
+            jnp.stack([component + at[k % len(at)] for k in range(count)])
+            for component, at in zip(position, bodies.attachments, strict=True)
+        )
+    )
+    cables = segment_distance(
+        _spread(starts, 2), _spread(stops, 2),
+        _lead(hooks, 2), _lead(_spread(Vec3.from_array(ends), 1), 2),
+    )  # (arms, parts, cables, samples)  # fmt: skip
+    own = np.zeros((count, PARTS, count), bool)
+    own[range(count), PARTS - 1, range(count)] = True  # the cable begins at the end of the link
+    cables = jnp.where(own, jnp.inf, cables.min(axis=-1)).min(axis=-1) - bodies.cable_radius
+
+    least = (jnp.minimum(load, cables) - robots.radius).min(axis=-1) - bodies.clearance
+    wide = robots.radius + bodies.clearance
+    return jnp.where(_meets(world.obstacles, starts, stops, wide).any(axis=-1), -1, least)
+
+
+def _meets(obstacles: Obstacles, starts: Vec3, stops: Vec3, wide: Array) -> Array:
+    """Which thick segments meet an obstacle (boxes and cylinders are inflated with corners)."""
+    boxes, cylinders, spheres = (_leading_axes(kind, wide.ndim) for kind in obstacles)
+    start, stop, wide = _spread(starts, 1), _spread(stops, 1), wide[..., None]
+    half = boxes.half + Vec3(wide, wide, wide)
+    met = [
+        segment_meets_box(boxes.to_own_frame(start), boxes.to_own_frame(stop), half)
+        & boxes.active,
+        segment_meets_cylinder(
+            start - cylinders.center, stop - cylinders.center,
+            cylinders.radius + wide, cylinders.half_height + wide,
+        )
+        & cylinders.active,
+        segment_meets_sphere(start - spheres.center, stop - spheres.center, spheres.radius + wide)
+        & spheres.active,
+    ]  # fmt: skip
+    return jnp.concatenate(met, axis=-1).any(axis=-1)
+
+
+def _parts(chains) -> tuple[Vec3, Vec3]:
+    """Where the parts of every arm begin and end, components (arms, parts)."""
+    return Vec3.from_array(chains[:, :-1]), Vec3.from_array(chains[:, 1:])
+
+
+def _spread(vector: Vec3, axes: int) -> Vec3:
+    """With so many axes of length one added behind."""
+    return vector.each(lambda c: c.reshape(*c.shape, *(1,) * axes))
+
+
+def _lead(vector: Vec3, axes: int) -> Vec3:
+    """With so many axes of length one added in front."""
+    return vector.each(lambda c: c.reshape(*(1,) * axes, *c.shape))
+
+
+def _leading_axes(kind, axes: int):
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf).reshape(*(1,) * axes, -1), kind)
+
+
+@jax.jit
+def postures(world: World, robots: Robots, position, ends) -> Posture:
+    """`choose_postures` compiled, for positions (n, 3)."""
+    return choose_postures(world, robots, Vec3.from_array(position), ends)

@@ -1,0 +1,424 @@
+"""From a task to a verified plan: search, smooth, check, and search again (Fig. 2; spec §10)."""
+
+import dataclasses
+import os
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp._types import Float
+from jaxsusp.batch import run_batch
+from jaxsusp.coordination.arms import build_robots
+from jaxsusp.coordination.ends import JointFitness, decode, joint_problem, place_ends
+from jaxsusp.errors import require, require_count, require_known, require_seed
+from jaxsusp.feasibility import require_possible, static_tensions
+from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.refine import refine
+from jaxsusp.optim.registry import algorithm as algorithm_of
+from jaxsusp.plans import Plan, plan_through, require_cable_driven
+from jaxsusp.problem import Problem, stack_problems
+from jaxsusp.scenario import Scenario, load_scenario
+from jaxsusp.search import SEARCHES
+from jaxsusp.trajectory.gentle import gently
+from jaxsusp.vec3 import Vec3
+from jaxsusp.verify.simulation import simulate
+from jaxsusp.world import build_world, rounded_counts
+
+SEARCH = SEARCHES[0]
+"""Rule that keeps waypoints inside unless another is asked for."""
+
+ENDS = ("given", "placed")
+COORDINATIONS = ("alternation", "joint")
+
+MARGIN = 0.015
+"""m; the search keeps so much more than the clearance asked for, as far as start and goal allow:
+the smooth curve departs from the polyline that the search checks by about as much."""
+
+TENSION_MARGIN = (5.0, 3.0)
+"""N by which the search draws the lower and the upper tension limit in, as far as start and goal
+allow: inertia takes and adds on the real curve, and a cable with little tension is easily upset."""
+
+GENTLE_TILT = 0.5
+"""Degrees of tilt up to which a load is taken to follow its plan without being simulated."""
+
+ROUNDS = 2
+"""Most alternations of placing the ends and planning the load."""
+
+GAIN = 0.005
+"""Relative improvement of the fitness below which alternation stops."""
+
+MORE_WAYPOINTS = 2
+
+
+class Event(NamedTuple):
+    """What a progress callback is told."""
+
+    phase: str  # "searching", "placing ends", "checking"
+    attempt: int  # from 0
+    attempts: int  # at most
+
+
+class _Settings(NamedTuple):
+    """What a person asked for."""
+
+    optimizer: Optimizer
+    runs: int
+    iterations: int
+    population: int
+    seed: int
+    samples: int
+    search: str
+    told: Callable[[str], None]
+
+
+def plan(
+    scenario: Scenario | str | os.PathLike[str],
+    algorithm: str | Optimizer = "sdbo",
+    ends: str = "given",
+    runs: int = 4,
+    iterations: int = 300,
+    retries: int = 3,
+    seed: int = 0,
+    *,
+    population: int = 30,
+    waypoints: int = 5,
+    samples: int = 40,
+    search: str = SEARCH,
+    coordination: str = "alternation",
+    progress: Callable[[Event], None] = lambda event: None,
+) -> Plan:
+    """Plan a task with cable-driven load and fixed ends, and verify it on the real curve.
+
+    The winners of the search are refined locally, laid on a smooth path, driven from rest to rest
+    and checked against all of Eq. 22 and in continuous time. Where none of them stands, the
+    planner tries again: with further runs, then other ends (where they are placed), then more
+    waypoints, each time with twice as many runs. A plan that breaks a limit is never returned as
+    feasible. A feasible plan that a swinging load does not follow in simulation is only returned
+    where nothing better was found (`settings["tracked"]` tells).
+
+    Args:
+        scenario: the task, or its name or file.
+        algorithm: what searches, a name or an optimiser.
+        ends: "given" keeps the scenario's ends, "placed" optimises them.
+        runs: independent runs per batch.
+        iterations: iterations per run.
+        retries: further attempts where the first gives no feasible plan.
+        seed: root of all randomness.
+        population: candidates per iteration.
+        waypoints: free waypoints m.
+        samples: samples n of trajectory and plan.
+        search: rule that keeps waypoints inside, see `jaxsusp.problem.SEARCHES`.
+        coordination: of placed ends with the load: "alternation" or "joint" (D = 3m + 2K + 1).
+        progress: called when something begins, see `Event`.
+
+    Returns:
+        A feasible `Plan`, or the best attempt marked infeasible with the reasons.
+
+    Raises:
+        ImpossibleTaskError: no tensions within limits can hold the load; told before any search.
+        InputError: bad settings, or a system that planning does not cover.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load_scenario(scenario)
+    require_cable_driven(scenario)
+    counts = (
+        ("runs", runs, 1), ("iterations", iterations, 1), ("population", population, 1),
+        ("waypoints", waypoints, 1), ("samples", samples, 3), ("retries", retries, 0),
+    )  # fmt: skip
+    for name, value, least in counts:
+        require_count(name, value, least=least)
+    require_seed(seed)
+    require_known("ends", ends, ENDS)
+    require_known("coordination", coordination, COORDINATIONS)
+    require_known("search", search, SEARCHES)
+    require(
+        coordination == "alternation" or ends == "placed",
+        'coordination = "joint" places the ends; give ends = "placed" with it',
+    )
+    optimizer = algorithm_of(algorithm)
+    require_possible(scenario, ends)
+
+    tally, made = _Tally(), 0
+    for attempt in _attempts(retries, waypoints, ends):
+
+        def told(phase: str, attempt=attempt) -> None:
+            progress(Event(phase, attempt.number, retries + 1))
+
+        settings = _Settings(optimizer, runs, iterations, population, seed, samples, search, told)
+        made += 1
+        for batch in range(attempt.batches):
+            first = tally.take(runs)
+            if ends == "given":
+                tries = _given(scenario, settings, attempt.waypoints, first)
+            elif coordination == "joint":
+                tries = _joint(scenario, settings, attempt.waypoints, first)
+            else:
+                tries = _alternating(scenario, settings, attempt, first + batch)
+            for found in tries:
+                tally.note(found)
+            if tally.done:
+                break
+        if tally.done:
+            break
+    assert tally.best is not None
+    return _with_settings(
+        tally.best, algorithm=optimizer.name, ends=ends, runs=runs, iterations=iterations,
+        population=population, retries=retries, seed=seed, samples=samples, search=search,
+        coordination=coordination, attempts=made, runs_made=tally.runs,
+    )  # fmt: skip
+
+
+class _Attempt(NamedTuple):
+    """One entry of the list of what to try."""
+
+    number: int
+    batches: int
+    waypoints: int
+    fresh_ends: bool
+
+
+def _attempts(retries: int, waypoints: int, ends: str) -> Iterator[_Attempt]:
+    """The task as asked; then other seeds, other ends, more waypoints, in turn."""
+    for number in range(retries + 1):
+        more = number // 3 * MORE_WAYPOINTS if number else 0
+        fresh = ends == "placed" and number % 3 == 2
+        yield _Attempt(number, 2**number, waypoints + more, fresh)
+
+
+class _Tally:
+    """The best plan so far, and how many runs have been used: no run is made twice."""
+
+    def __init__(self):
+        self.best: Plan | None = None
+        self.runs = 0
+
+    def take(self, runs: int) -> int:
+        """First of so many further run indices."""
+        first, self.runs = self.runs, self.runs + runs
+        return first
+
+    def note(self, found: Plan) -> None:
+        """Keep a plan if it is better: feasible before infeasible, then by fitness."""
+        if self.best is None or _rank(found) < _rank(self.best):
+            self.best = found
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to wish for."""
+        return self.best is not None and _good(self.best)
+
+
+def _rank(plan: Plan) -> tuple:
+    settings = plan.settings
+    return not plan.feasible, len(plan.reasons), not settings["tracked"], settings["fitness"]
+
+
+def _good(plan: Plan) -> bool:
+    return plan.feasible and plan.settings["tracked"]
+
+
+def _with_settings(plan: Plan, **settings: Any) -> Plan:
+    """The plan with more of the settings it was found with."""
+    return dataclasses.replace(plan, settings={**plan.settings, **settings})
+
+
+def _given(scenario: Scenario, settings: _Settings, waypoints: int, first: int) -> Iterator[Plan]:
+    """Plans with the scenario's own ends, best first, until one is feasible."""
+    ends = np.array([robot.end for robot in scenario.robots], np.float64)
+    candidates = _search(scenario, settings, waypoints, first)
+    yield from _checked(scenario, settings, ((x, ends) for x in candidates))
+
+
+def _joint(scenario: Scenario, settings: _Settings, waypoints: int, first: int) -> Iterator[Plan]:
+    """Plans with ends and waypoints from one search."""
+    settings.told("searching")
+    problem = joint_problem(_with_margins(scenario, moving_ends=True), waypoints, settings.samples)
+    robots, fitness = build_robots(scenario), problem.fitness
+    assert isinstance(fitness, JointFitness)
+    pairs = []
+    for x in _minimise(problem, settings, first):
+        with jax.enable_x64(True):
+            inner, placed = fitness.split(np.asarray(x, np.float64))
+            ends = np.asarray(decode(robots, jnp.asarray(placed)))
+        pairs.append((np.asarray(inner), ends))
+    yield from _checked(scenario, settings, pairs)
+
+
+def _alternating(
+    scenario: Scenario, settings: _Settings, attempt: _Attempt, first: int
+) -> Iterator[Plan]:
+    """Place ends, plan the load, place again, until the fitness stops improving."""
+    low, high = scenario.limits.tension
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    held = static_tensions(scenario, task)
+    if attempt.fresh_ends or not ((held >= low) & (held <= high)).all():
+        position = np.linspace(
+            task[0], task[1], settings.samples
+        )  # ends for the straight line come first
+        best = None
+    else:
+        best = _first_good(_given(scenario, settings, attempt.waypoints, first))
+        yield best
+        position = best.path
+    for number in range(ROUNDS):
+        settings.told("placing ends")
+        placement = place_ends(
+            _with_margins(scenario, moving_ends=True), position, settings.optimizer,
+            (settings.seed + first + number) % 2**32, settings.runs,
+            max(1, settings.iterations // 3), settings.population,
+        )  # fmt: skip
+        if best is not None and placement.faults:
+            return
+        moved = _with_ends(scenario, placement.ends)
+        candidates = _search(moved, settings, attempt.waypoints, first, best)
+        pairs = ((x, placement.ends) for x in candidates)
+        found = _first_good(_checked(scenario, settings, pairs))
+        yield found
+        gained = best is None or _gain(best, found) > GAIN
+        if best is not None and best.feasible and not gained:
+            return
+        best, position = found, found.path
+
+
+def _first_good(tries: Iterator[Plan]) -> Plan:
+    """The first plan that leaves nothing to wish for, or the best of all."""
+    kept: Plan | None = None
+    for found in tries:
+        if kept is None or _rank(found) < _rank(kept):
+            kept = found
+    assert kept is not None
+    return kept
+
+
+def _gain(before: Plan, after: Plan) -> float:
+    """Relative improvement of the fitness; none where feasibility is lost."""
+    if before.feasible and not after.feasible:
+        return 0.0
+    if after.feasible and not before.feasible:
+        return 1.0
+    return 1 - after.settings["fitness"] / before.settings["fitness"]
+
+
+def _checked(scenario: Scenario, settings: _Settings, pairs) -> Iterator[Plan]:
+    """Lay candidates on real curves and check them, until one is feasible."""
+    settings.told("checking")
+    for x, ends in pairs:
+        fitness = _fitness(scenario, x, ends, settings.samples)
+        found = plan_through(
+            scenario, np.asarray(x, np.float64).reshape(-1, 3), ends, settings.samples,
+            settings={"fitness": fitness},
+        )  # fmt: skip
+        found = _with_settings(found, tracked=found.feasible and _tracks(found))
+        yield found
+        if _good(found):
+            return
+
+
+def _tracks(plan: Plan) -> bool:
+    """Whether a load that swings stays with the plan: simulated, unless it hardly accelerates."""
+    tilt = next(each.value for each in plan.report if each.name == "tilt of the load")
+    return tilt <= GENTLE_TILT or not simulate(plan).problems(plan)
+
+
+def _search(
+    scenario: Scenario,
+    settings: _Settings,
+    waypoints: int,
+    first: int,
+    known: Plan | None = None,
+) -> Float[np.ndarray, "candidates dim"]:
+    """Waypoints that the search found, refined, best first; `known` joins the candidates."""
+    settings.told("searching")
+    searched = _with_margins(scenario)
+    problem = Problem.from_scenario(
+        searched, waypoints, settings.samples, settings.search, np.float32,
+        build_world(searched, rounded_counts(searched)),
+    )  # fmt: skip
+    extra = None
+    if known is not None and len(known.waypoints) == waypoints:
+        extra = known.waypoints.reshape(1, -1)
+    return _minimise(problem, settings, first, extra)
+
+
+def _minimise(
+    problem: Problem, settings: _Settings, first: int, extra: np.ndarray | None = None
+) -> Float[np.ndarray, "candidates dim"]:
+    """Search and refine in float32; the candidates in order of fitness."""
+    outcome = run_batch(
+        stack_problems([problem]), settings.optimizer, settings.seed,
+        range(first, first + settings.runs), settings.iterations, settings.population,
+    )  # fmt: skip
+    found = outcome.x[0]
+    if extra is not None:  # in place of the worst, so that no other program is needed
+        found = found.copy()
+        found[outcome.fitness[0].argmax()] = extra[0]
+    problem = gently(problem)
+    found = refine(problem, found, settings.seed)
+    value = np.asarray(_evaluate(problem, found))
+    return found[np.argsort(value, kind="stable")]
+
+
+@jax.jit
+def _evaluate(problem: Problem, x):
+    return problem.evaluate(x)
+
+
+def _fitness(scenario: Scenario, x, ends: np.ndarray, samples: int) -> float:
+    """Eq. 21 in float64, without any margin."""
+    moved = _with_ends(scenario, ends)
+    with jax.enable_x64(True):
+        problem = Problem.from_scenario(
+            moved, np.size(x) // 3, samples, dtype=np.float64,
+            world=build_world(moved, rounded_counts(moved)),
+        )  # fmt: skip
+        return float(_evaluate(problem, np.asarray(x, np.float64).reshape(1, -1))[0])
+
+
+def _with_ends(scenario: Scenario, ends: np.ndarray) -> Scenario:
+    """The same task with other ends; not validated: the checks of the plan decide."""
+    robots = tuple(
+        robot.model_copy(update={"end": tuple(map(float, end))})
+        for robot, end in zip(scenario.robots, ends, strict=True)
+    )
+    return scenario.model_copy(update={"robots": robots})
+
+
+def _with_margins(scenario: Scenario, moving_ends: bool = False) -> Scenario:
+    """The task with stricter limits, as much as start and goal allow."""
+    limits = scenario.limits
+    low, high = limits.tension
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    below, above = TENSION_MARGIN
+    if not moving_ends:
+        held = static_tensions(scenario, task)
+        below = min(below, 0.8 * float(held.min() - low))
+        above = min(above, 0.8 * float(high - held.max()))
+    below, above = (min(max(room, 0.0), (high - low) / 10) for room in (below, above))
+    tension = (low + below, high - above)
+    margin = MARGIN
+    while margin > 1e-3:
+        wider = _with_limits(scenario, clearance=limits.clearance + margin, tension=tension)
+        if moving_ends or not _in_contact(wider):
+            return wider
+        margin /= 2
+    return _with_limits(scenario, tension=tension)
+
+
+def _with_limits(scenario: Scenario, **changed: Any) -> Scenario:
+    return scenario.model_copy(update={"limits": scenario.limits.model_copy(update=changed)})
+
+
+def _in_contact(scenario: Scenario) -> bool:
+    """Whether the load or a cable is in a warning area at start or goal, in single precision."""
+    world = build_world(scenario, rounded_counts(scenario))
+    world = jax.tree.map(lambda leaf: leaf if leaf.dtype == bool else np.float32(leaf), world)
+    places = zip(world.start, world.goal, strict=True)
+    still = [Vec3(*(np.array([c, c]) for c in place)) for place in zip(*places, strict=True)]
+    return any(int(_count(place, world.bodies, world.obstacles)) > 0 for place in still)
+
+
+_count = jax.jit(count_collisions)

@@ -1,0 +1,42 @@
+"""Everything that is written about a plan: file, samples, tables and figures in one folder."""
+
+import os
+import re
+from pathlib import Path
+
+from jaxsusp._files import write_text
+from jaxsusp.plans import Plan
+from jaxsusp.report import planfigures
+from jaxsusp.report.look import save
+from jaxsusp.report.planreport import ends_table, limits_table
+from jaxsusp.report.render import to_markdown
+
+FIGURES = {
+    "kinematics": planfigures.kinematics,
+    "scene": planfigures.scene,
+    "cables": planfigures.cables,
+}
+
+
+def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
+    """Write a plan, its samples, its constraint report and its figures.
+
+    Args:
+        plan: feasible or not.
+        folder: created where missing.
+
+    Returns:
+        The files written, the plan itself first.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    stem = re.sub(r"[^\w.-]+", "-", plan.scenario.name).strip("-.")[:60] or "plan"
+    files = [folder / f"{stem}.plan.json", folder / f"{stem}.plan.csv", folder / f"{stem}.plan.md"]
+    plan.save(files[0])
+    plan.save_csv(files[1])
+    tables = (limits_table(plan.report), ends_table(plan))
+    write_text(files[2], "\n".join(f"## {t.attrs['title']}\n\n{to_markdown(t)}" for t in tables))
+    for name, draw in FIGURES.items():
+        files.append(folder / f"{stem}.{name}.png")
+        save(draw(plan), files[-1])
+    return files

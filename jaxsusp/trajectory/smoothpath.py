@@ -1,0 +1,152 @@
+"""A smooth curve through the samples of a trajectory, measured by its length (spec §8).
+
+Makima is only C1: along it the acceleration jumps at every knot. A finished plan therefore runs
+on a quintic spline (C4, so that the jerk is continuous) through the Makima samples. The curve is
+not the one that was searched: whoever uses it checks it again.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import BSpline, CubicHermiteSpline, make_interp_spline
+
+from jaxsusp._types import Float
+from jaxsusp.errors import require
+
+_PIECES = 32
+"""Parts of a span in the table of arc lengths."""
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothPath:
+    """A quintic spline p(u) through given points; u is the length along their chords (m).
+
+    The third and fourth derivative vanish at both ends (the natural quintic spline).
+
+    Args:
+        points: positions (m), in order. Consecutive points that coincide count once.
+
+    Raises:
+        InputError: fewer than two points, or one that is not finite.
+    """
+
+    points: Float[np.ndarray, "samples xyz"]
+
+    def __post_init__(self):
+        require(len(self.points) >= 2, f"{len(self.points)} points: give two or more")
+        require(bool(np.isfinite(self.points).all()), "a point of the path is not finite")
+
+    @cached_property
+    def _chords(self) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters and positions of the distinct points, at least four of them."""
+        points = np.asarray(self.points, np.float64)
+        chord = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        moves = np.append(True, chord > 1e-9 * max(1.0, float(chord.sum())))
+        u = np.append(0.0, np.cumsum(chord))[moves]
+        kept = points[moves]
+        kept[-1] = points[-1]
+        if len(u) == 1:  # a path that stays where it is
+            u, kept = np.array([0.0, 1.0]), points[[0, 0]]
+        while len(u) < 4:  # the natural quintic spline needs four
+            halves = np.linspace(0, len(u) - 1, 2 * len(u) - 1)
+            rows = np.arange(len(u))
+            kept = np.stack([np.interp(halves, rows, axis) for axis in kept.T], axis=1)
+            u = np.interp(halves, rows, u)
+        return u, kept
+
+    @cached_property
+    def curve(self) -> BSpline:
+        """The spline itself."""
+        u, points = self._chords
+        still = [(3, np.zeros(3)), (4, np.zeros(3))]
+        return make_interp_spline(u, points, k=5, bc_type=(still, still))
+
+    @cached_property
+    def derivatives(self) -> tuple[BSpline, BSpline, BSpline]:
+        """p', p'' and p''' with respect to u."""
+        first = self.curve.derivative()
+        second = first.derivative()
+        return first, second, second.derivative()
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last parameter."""
+        u = self._chords[0]
+        return float(u[0]), float(u[-1])
+
+    @cached_property
+    def _table(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Parameters, arc lengths up to them, and speeds |p'| there."""
+        u = self._chords[0]
+        parts = np.linspace(u[:-1], u[1:], _PIECES, endpoint=False, axis=1).ravel()
+        nodes = np.append(parts, u[-1])
+        middle, half = (nodes[1:] + nodes[:-1]) / 2, np.diff(nodes) / 2
+        inside = middle[:, None] + half[:, None] * _NODES
+        speed = np.linalg.norm(self.derivatives[0](inside), axis=-1)
+        arc = np.append(0.0, np.cumsum(half * (speed @ _WEIGHTS)))
+        return nodes, arc, np.linalg.norm(self.derivatives[0](nodes), axis=-1)
+
+    @property
+    def length(self) -> float:
+        """Arc length of the whole curve (m)."""
+        return float(self._table[1][-1])
+
+    def arc(self, u: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
+        """Arc length (m) from the start to parameter u."""
+        return CubicHermiteSpline(*self._table)(u)
+
+    @cached_property
+    def _inverse(self) -> CubicHermiteSpline:
+        nodes, arc, speed = self._table
+        return CubicHermiteSpline(arc, nodes, 1 / np.maximum(speed, 1e-9))
+
+    def parameter(self, arc: Float[np.ndarray, "*batch"]) -> Float[np.ndarray, "*batch"]:
+        """Parameter u at an arc length (m)."""
+        u = np.clip(self._inverse(arc), *self.span)
+        speed = np.maximum(np.linalg.norm(self.derivatives[0](u), axis=-1), 1e-9)
+        return np.clip(u + (arc - self.arc(u)) / speed, *self.span)  # one Newton step
+
+    @cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Greatest |p'| and |p''| over spans i … j, as matrices [i, j]."""
+        u, speed, bend = self._chords[0], *self.derivatives[:2]
+        return (
+            _running_maximum(_bernstein_bound(speed, u, degree=4)),
+            _running_maximum(_bernstein_bound(bend, u, degree=3)),
+        )
+
+    def bounds(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Proven upper bounds of |p'| and |p''| over parameter intervals.
+
+        On a span of the spline a derivative is a polynomial, and its values lie in the convex
+        hull of its Bernstein coefficients.
+        """
+        u = self._chords[0]
+        first = np.clip(np.searchsorted(u, low, side="right") - 1, 0, len(u) - 2)
+        last = np.clip(np.searchsorted(u, high, side="left") - 1, first, len(u) - 2)
+        speed, bend = self._bounds
+        return speed[first, last], bend[first, last]
+
+
+def _bernstein_bound(curve: BSpline, knots: np.ndarray, degree: int) -> np.ndarray:
+    """Per span, the greatest norm among the Bernstein coefficients of a vector polynomial."""
+    left, width = knots[:-1], np.diff(knots)[:, None]
+    taylor = [
+        curve(left, nu=j) * width**j / math.factorial(j) for j in range(degree + 1)
+    ]  # coefficients of the powers of (u - left)/width
+    control = [
+        sum(math.comb(i, j) / math.comb(degree, j) * taylor[j] for j in range(i + 1))
+        for i in range(degree + 1)
+    ]
+    return np.linalg.norm(control, axis=-1).max(axis=0)
+
+
+def _running_maximum(values: np.ndarray) -> np.ndarray:
+    """Matrix [i, j] of the maxima of values[i … j]; below the diagonal of no meaning."""
+    return np.stack(
+        [np.append(values[:i], np.maximum.accumulate(values[i:])) for i in range(len(values))]
+    )

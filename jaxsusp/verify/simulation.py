@@ -1,0 +1,162 @@
+"""A plan played in simulation: its cable lengths, a load that swings, cables that only pull."""
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jaxsusp._files import write_text
+from jaxsusp._types import Float
+from jaxsusp.plans import Plan
+from jaxsusp.verify.engine import mujoco
+from jaxsusp.verify.model import DAMPING, STIFFNESS, build_spec
+
+SETTLING = 3.0
+"""s for which the first lengths are held before the plan begins, so that the load hangs still."""
+
+EDGE = 5.0
+"""s after the start and before the end that are left out of the errors (an eighth of a short
+plan)."""
+
+TRACKING = 0.01
+"""m by which a simulated load may be off the plan."""
+
+TENSION = 0.02
+"""Share of the planned tension by which a simulated one may be off."""
+
+_EVERY = 10  # steps between records
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What was seen, at n instants; host arrays."""
+
+    times: Float[np.ndarray, "times"]  # s
+    position: Float[np.ndarray, "times xyz"]  # of the load's centre, m
+    tilt: Float[np.ndarray, "times"]  # of the load's axis, degrees
+    tensions: Float[np.ndarray, "times cables"]  # N
+    planned_position: Float[np.ndarray, "times xyz"]
+    planned_tensions: Float[np.ndarray, "times cables"]
+    contacts: tuple[tuple[float, str], ...]  # first time (s) of every body the load touched
+
+    @property
+    def _inner(self) -> np.ndarray:
+        """Instants that count for the errors."""
+        end = float(self.times[-1])
+        edge = min(EDGE, end / 8)
+        return (self.times >= edge) & (self.times <= end - edge)
+
+    @property
+    def tracking_error(self) -> float:
+        """Greatest distance from the planned position (m)."""
+        off = np.linalg.norm(self.position - self.planned_position, axis=1)
+        return float(off[self._inner].max())
+
+    @property
+    def tension_error(self) -> float:
+        """Greatest relative difference from the planned tensions."""
+        off = np.abs(self.tensions / self.planned_tensions - 1)
+        return float(off[self._inner].max())
+
+    @property
+    def swing(self) -> float:
+        """Greatest tilt (degrees)."""
+        return float(self.tilt.max())
+
+    @property
+    def peak_tension(self) -> float:
+        """Greatest tension of any cable (N)."""
+        return float(self.tensions.max())
+
+    def problems(self, plan: Plan) -> list[str]:
+        """What speaks against the plan, in sentences."""
+        limits = plan.scenario.limits
+        ultimate = limits.safety_factor * limits.tension[1]
+        found = [f"simulated load touches {name} at {time:.2f} s" for time, name in self.contacts]
+        checks = (
+            (self.tracking_error, TRACKING, "m", "simulated load is off the plan by"),
+            (100 * self.tension_error, 100 * TENSION, "%", "simulated tensions differ by"),
+            (self.swing, limits.posture_deg, "°", "simulated load tilts by"),
+            (self.peak_tension, ultimate, "N", "simulated tension reaches"),
+        )
+        for value, most, unit, text in checks:
+            if not value <= most:
+                found.append(f"{text} {value:.4g} {unit}, allowed are {most:.4g} {unit}")
+        return found
+
+
+def simulate(plan: Plan, seen: Callable[[Any, Any, float], None] | None = None) -> Simulation:
+    """Play the cable lengths of a plan.
+
+    Args:
+        plan: any plan.
+        seen: called with MuJoCo's model and data and the time (s) at every record.
+
+    Returns:
+        A `Simulation`.
+    """
+    model = build_spec(plan).compile()
+    data = mujoco.MjData(model)
+    step, duration = model.opt.timestep, plan.scenario.task.duration
+    steps = round(duration / step)
+    times = np.arange(steps + 1) * step
+    commands = winch_commands(plan, times)
+    data.ctrl[:] = commands[0]
+    mujoco.mj_step(model, data, round(SETTLING / step))
+
+    load = model.geom("load").id
+    records, contacts = [], {}
+    centre, attitude, pull = data.body("load").xpos, data.body("load").xmat, data.actuator_force
+    for i in range(steps + 1):
+        data.ctrl[:] = commands[i]
+        mujoco.mj_step(model, data)  # its results are those of the instant before the step
+        if i % _EVERY == 0:
+            records.append((i, *centre, attitude[8], *-pull))
+            if seen:
+                seen(model, data, i * step)
+        if data.ncon:
+            _note_contacts(model, data, load, i * step, contacts)
+    table = np.array(records)
+    when = times[table[:, 0].astype(int)]
+    cables = len(plan.ends)
+    return Simulation(
+        when,
+        table[:, 1:4],
+        np.rad2deg(np.arccos(np.clip(table[:, 4], -1, 1))),
+        table[:, 5 : 5 + cables],
+        plan.at(when).position,
+        plan.cables_at(when)[1],
+        tuple((time, name) for name, time in contacts.items()),
+    )
+
+
+def export_model(plan: Plan, path: str | os.PathLike[str]) -> None:
+    """Write the MJCF of a plan; the controls are those of `winch_commands`."""
+    spec = build_spec(plan)
+    spec.compile()
+    write_text(path, spec.to_xml())
+
+
+def winch_commands(
+    plan: Plan, times: Float[np.ndarray, "times"]
+) -> Float[np.ndarray, "times cables"]:
+    """Controls of the model: cable lengths of the level load, with a lead of damping/stiffness.
+
+    The actuator damps the rate of a tendon; with the lead c/k · dl/dt it damps the rate of the
+    stretch alone, as a rope does, whatever speed it is reeled with.
+    """
+    motion = plan.at(times)
+    hooks = motion.position + np.array([0.0, 0.0, plan.scenario.payload.height / 2])
+    cables = hooks[:, None] - plan.ends[None]
+    lengths = np.linalg.norm(cables, axis=-1)
+    rates = (cables * motion.velocity[:, None]).sum(axis=-1) / lengths
+    return lengths + DAMPING / STIFFNESS * rates
+
+
+def _note_contacts(model, data, load: int, time: float, contacts: dict[str, float]) -> None:
+    for pair in data.contact.geom:
+        if load in pair:
+            other = int(pair[0] if pair[1] == load else pair[1])
+            contacts.setdefault(model.geom(other).name, time)

@@ -1,0 +1,70 @@
+"""The simulation: it follows good plans, and notices what is wrong with bad ones."""
+
+import mujoco
+import numpy as np
+import pytest
+from plans import LOW
+
+import jaxsusp as js
+from jaxsusp.verify.model import build_spec
+from jaxsusp.verify.simulation import export_model, simulate, winch_commands
+
+
+@pytest.fixture(scope="module")
+def plan(scenarios) -> js.Plan:
+    return js.plan_through(scenarios[0], LOW)
+
+
+def changed(scenario, **tables):
+    content = scenario.model_dump()
+    for table, values in tables.items():
+        content[table] = {**content[table], **values} if isinstance(values, dict) else values
+    return js.Scenario.model_validate(content)
+
+
+def test_at_rest_the_simulated_tensions_are_the_static_ones(plan):
+    """Before the plan begins; MuJoCo knows nothing of Eq. 4."""
+    model = build_spec(plan).compile()
+    data = mujoco.MjData(model)
+    data.ctrl[:] = plan.lengths[0]
+    mujoco.mj_step(model, data, 4000)
+    static = js.tensions(plan.scenario, data.body("load").xpos)
+    np.testing.assert_allclose(-data.actuator_force, static, rtol=2e-5)
+
+
+def test_a_hasty_plan_swings_and_is_told_so(plan):
+    hasty = changed(plan.scenario, task={"duration": 5.0})
+    found = simulate(js.plan_through(hasty, plan.waypoints))
+    assert found.swing > 5
+    assert any("tilts" in problem or "differ" in problem for problem in found.problems(plan))
+
+
+def test_contacts_are_noticed(plan):
+    crate = {"kind": "box", "name": "crate", "center": (0, 0, 2.6), "size": (1.0, 0.5, 0.8)}
+    blocked = changed(plan.scenario, obstacles=(crate,))
+    found = simulate(js.plan_through(blocked, plan.waypoints))
+    assert found.contacts[0][1] == "1 crate"
+    assert any("touches 1 crate" in problem for problem in found.problems(plan))
+
+
+def test_the_exported_model_is_the_simulated_one(plan, tmp_path):
+    export_model(plan, tmp_path / "model.xml")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    assert model.nu == 3
+    data.ctrl[:] = winch_commands(plan, np.zeros(1))[0]
+    mujoco.mj_step(model, data, 1000)
+    off = np.linalg.norm(data.body("load").xpos - plan.position[0])
+    assert off < 2e-3
+    cables = [np.asarray(data.tendon(f"cable {k + 1}").length).item() for k in range(3)]
+    np.testing.assert_allclose(cables, plan.lengths[0], atol=2e-3)
+
+
+def test_cables_pull_and_never_push(plan):
+    model = build_spec(plan).compile()
+    assert (model.actuator_forcerange[:, 1] == 0).all()
+    data = mujoco.MjData(model)
+    data.ctrl[:] = plan.lengths[0] + 1.0  # all slack: the load falls
+    mujoco.mj_step(model, data, 50)
+    np.testing.assert_array_equal(data.actuator_force, 0)
+    assert data.qvel[2] == pytest.approx(-9.81 * 50 * model.opt.timestep, rel=1e-3)
