@@ -13,9 +13,9 @@ from jaxsusp._types import Float
 from jaxsusp.batch import run_batch
 from jaxsusp.coordination.arms import build_robots
 from jaxsusp.coordination.ends import JointFitness, decode, joint_problem, place_ends
+from jaxsusp.coordination.margins import with_ends_at, with_margins
 from jaxsusp.errors import require, require_count, require_known, require_seed
 from jaxsusp.feasibility import require_possible, static_tensions
-from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
@@ -24,7 +24,6 @@ from jaxsusp.problem import Problem, stack_problems
 from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.search import SEARCHES
 from jaxsusp.trajectory.gentle import gently
-from jaxsusp.vec3 import Vec3
 from jaxsusp.verify.simulation import simulate
 from jaxsusp.world import build_world, rounded_counts
 
@@ -34,16 +33,9 @@ SEARCH = SEARCHES[0]
 ENDS = ("given", "placed")
 COORDINATIONS = ("alternation", "joint")
 
-MARGIN = 0.015
-"""m; the search keeps so much more than the clearance asked for, as far as start and goal allow:
-the smooth curve departs from the polyline that the search checks by about as much."""
-
-TENSION_MARGIN = (5.0, 3.0)
-"""N by which the search draws the lower and the upper tension limit in, as far as start and goal
-allow: inertia takes and adds on the real curve, and a cable with little tension is easily upset."""
-
-GENTLE_TILT = 0.5
-"""Degrees of tilt up to which a load is taken to follow its plan without being simulated."""
+GENTLE_TILT, GENTLE_TENSION = 0.3, 10.0
+"""Degrees of tilt up to which, and N of tension from which on, a load is taken to follow its plan
+without being simulated."""
 
 ROUNDS = 2
 """Most alternations of placing the ends and planning the load."""
@@ -236,7 +228,7 @@ def _given(scenario: Scenario, settings: _Settings, waypoints: int, first: int) 
 def _joint(scenario: Scenario, settings: _Settings, waypoints: int, first: int) -> Iterator[Plan]:
     """Plans with ends and waypoints from one search."""
     settings.told("searching")
-    problem = joint_problem(_with_margins(scenario, moving_ends=True), waypoints, settings.samples)
+    problem = joint_problem(with_margins(scenario, moving_ends=True), waypoints, settings.samples)
     robots, fitness = build_robots(scenario), problem.fitness
     assert isinstance(fitness, JointFitness)
     pairs = []
@@ -267,13 +259,13 @@ def _alternating(
     for number in range(ROUNDS):
         settings.told("placing ends")
         placement = place_ends(
-            _with_margins(scenario, moving_ends=True), position, settings.optimizer,
+            with_margins(scenario, moving_ends=True), position, settings.optimizer,
             (settings.seed + first + number) % 2**32, settings.runs,
             max(1, settings.iterations // 3), settings.population,
         )  # fmt: skip
         if best is not None and placement.faults:
             return
-        moved = _with_ends(scenario, placement.ends)
+        moved = with_ends_at(scenario, placement.ends)
         candidates = _search(moved, settings, attempt.waypoints, first, best)
         pairs = ((x, placement.ends) for x in candidates)
         found = _first_good(_checked(scenario, settings, pairs))
@@ -320,8 +312,10 @@ def _checked(scenario: Scenario, settings: _Settings, pairs) -> Iterator[Plan]:
 
 def _tracks(plan: Plan) -> bool:
     """Whether a load that swings stays with the plan: simulated, unless it hardly accelerates."""
-    tilt = next(each.value for each in plan.report if each.name == "tilt of the load")
-    return tilt <= GENTLE_TILT or not simulate(plan).problems(plan)
+    values = {each.name: each.value for each in plan.report}
+    gentle = values["tilt of the load"] <= GENTLE_TILT
+    taut = values["least tension"] >= GENTLE_TENSION
+    return (gentle and taut) or not simulate(plan).problems(plan)
 
 
 def _search(
@@ -333,7 +327,7 @@ def _search(
 ) -> Float[np.ndarray, "candidates dim"]:
     """Waypoints that the search found, refined, best first; `known` joins the candidates."""
     settings.told("searching")
-    searched = _with_margins(scenario)
+    searched = with_margins(scenario)
     problem = Problem.from_scenario(
         searched, waypoints, settings.samples, settings.search, np.float32,
         build_world(searched, rounded_counts(searched)),
@@ -369,56 +363,10 @@ def _evaluate(problem: Problem, x):
 
 def _fitness(scenario: Scenario, x, ends: np.ndarray, samples: int) -> float:
     """Eq. 21 in float64, without any margin."""
-    moved = _with_ends(scenario, ends)
+    moved = with_ends_at(scenario, ends)
     with jax.enable_x64(True):
         problem = Problem.from_scenario(
             moved, np.size(x) // 3, samples, dtype=np.float64,
             world=build_world(moved, rounded_counts(moved)),
         )  # fmt: skip
         return float(_evaluate(problem, np.asarray(x, np.float64).reshape(1, -1))[0])
-
-
-def _with_ends(scenario: Scenario, ends: np.ndarray) -> Scenario:
-    """The same task with other ends; not validated: the checks of the plan decide."""
-    robots = tuple(
-        robot.model_copy(update={"end": tuple(map(float, end))})
-        for robot, end in zip(scenario.robots, ends, strict=True)
-    )
-    return scenario.model_copy(update={"robots": robots})
-
-
-def _with_margins(scenario: Scenario, moving_ends: bool = False) -> Scenario:
-    """The task with stricter limits, as much as start and goal allow."""
-    limits = scenario.limits
-    low, high = limits.tension
-    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
-    below, above = TENSION_MARGIN
-    if not moving_ends:
-        held = static_tensions(scenario, task)
-        below = min(below, 0.8 * float(held.min() - low))
-        above = min(above, 0.8 * float(high - held.max()))
-    below, above = (min(max(room, 0.0), (high - low) / 10) for room in (below, above))
-    tension = (low + below, high - above)
-    margin = MARGIN
-    while margin > 1e-3:
-        wider = _with_limits(scenario, clearance=limits.clearance + margin, tension=tension)
-        if moving_ends or not _in_contact(wider):
-            return wider
-        margin /= 2
-    return _with_limits(scenario, tension=tension)
-
-
-def _with_limits(scenario: Scenario, **changed: Any) -> Scenario:
-    return scenario.model_copy(update={"limits": scenario.limits.model_copy(update=changed)})
-
-
-def _in_contact(scenario: Scenario) -> bool:
-    """Whether the load or a cable is in a warning area at start or goal, in single precision."""
-    world = build_world(scenario, rounded_counts(scenario))
-    world = jax.tree.map(lambda leaf: leaf if leaf.dtype == bool else np.float32(leaf), world)
-    places = zip(world.start, world.goal, strict=True)
-    still = [Vec3(*(np.array([c, c]) for c in place)) for place in zip(*places, strict=True)]
-    return any(int(_count(place, world.bodies, world.obstacles)) > 0 for place in still)
-
-
-_count = jax.jit(count_collisions)
