@@ -3,6 +3,7 @@
 import dataclasses
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import jax
@@ -14,8 +15,9 @@ from jaxsusp.batch import run_batch
 from jaxsusp.coordination.arms import build_robots
 from jaxsusp.coordination.ends import JointFitness, decode, joint_problem, place_ends
 from jaxsusp.coordination.margins import with_ends_at, with_margins
-from jaxsusp.errors import require, require_count, require_known, require_seed
+from jaxsusp.errors import InputError, require, require_count, require_known, require_seed
 from jaxsusp.feasibility import require_possible, static_tensions
+from jaxsusp.freespace.build import free_space
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
@@ -49,7 +51,7 @@ MORE_WAYPOINTS = 2
 class Event(NamedTuple):
     """What a progress callback is told."""
 
-    phase: str  # "searching", "placing ends", "checking"
+    phase: str  # "mapping the free space", "searching", "placing ends", "checking"
     attempt: int  # from 0
     attempts: int  # at most
 
@@ -103,7 +105,7 @@ def plan(
         population: candidates per iteration.
         waypoints: free waypoints m.
         samples: samples n of trajectory and plan.
-        search: rule that keeps waypoints inside, see `jaxsusp.problem.SEARCHES`.
+        search: rule that keeps waypoints inside, see `jaxsusp.search`.
         coordination: of placed ends with the load: "alternation" or "joint" (D = 3m + 2K + 1).
         progress: called when something begins, see `Event`.
 
@@ -326,16 +328,34 @@ def _search(
     known: Plan | None = None,
 ) -> Float[np.ndarray, "candidates dim"]:
     """Waypoints that the search found, refined, best first; `known` joins the candidates."""
+    problem = _problem(with_margins(scenario), settings, waypoints)
     settings.told("searching")
-    searched = with_margins(scenario)
-    problem = Problem.from_scenario(
-        searched, waypoints, settings.samples, settings.search, np.float32,
-        build_world(searched, rounded_counts(searched)),
-    )  # fmt: skip
     extra = None
     if known is not None and len(known.waypoints) == waypoints:
         extra = known.waypoints.reshape(1, -1)
     return _minimise(problem, settings, first, extra)
+
+
+def _problem(searched: Scenario, settings: _Settings, waypoints: int) -> Problem:
+    """The load's problem, in shapes that other scenarios and other ends share.
+
+    A free space in which start and goal are not connected proves nothing, and every plan is
+    certified anyway: the search then takes the whole workspace.
+    """
+    search, space = settings.search, None
+    if search != "box":
+        settings.told("mapping the free space")
+        with suppress(InputError):  # with its margin, a warning area can reach the end of a cable
+            space = free_space(searched)
+        search = search if space and space.connected else "box"
+    world = build_world(searched, rounded_counts(searched))
+    problem = Problem.from_scenario(
+        searched, waypoints, settings.samples, search, np.float32, world, space=space
+    )
+    if problem.regions is None:
+        return problem
+    count, rows, _ = problem.regions.table.shape
+    return problem.with_padded_regions(32 * -(-count // 32), 16 * -(-rows // 16))
 
 
 def _minimise(
@@ -366,7 +386,7 @@ def _fitness(scenario: Scenario, x, ends: np.ndarray, samples: int) -> float:
     moved = with_ends_at(scenario, ends)
     with jax.enable_x64(True):
         problem = Problem.from_scenario(
-            moved, np.size(x) // 3, samples, dtype=np.float64,
+            moved, np.size(x) // 3, samples, "box", np.float64,
             world=build_world(moved, rounded_counts(moved)),
         )  # fmt: skip
         return float(_evaluate(problem, np.asarray(x, np.float64).reshape(1, -1))[0])

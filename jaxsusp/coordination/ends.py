@@ -231,7 +231,7 @@ def end_problem(scenario: Scenario, position) -> Problem:
 def joint_problem(scenario: Scenario, waypoints: int = 5, samples: int = 40) -> Problem:
     """Waypoints and ends as one problem, D = 3m + 2K + 1, in float32."""
     require_hook_with_three_cables(scenario)
-    load = Problem.from_scenario(scenario, waypoints, samples, dtype=np.float32)
+    load = Problem.from_scenario(scenario, waypoints, samples, "box", dtype=np.float32)
     lower, upper = (bound.astype(np.float32) for bound in end_bounds(scenario))
     world = build_world(scenario, rounded_counts(scenario))
     fitness = JointFitness(world, build_robots(scenario), samples)
