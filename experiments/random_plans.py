@@ -48,7 +48,7 @@ def clearances(plan: Plan) -> tuple[float, float]:
     """Least distances of load and cables from all obstacles (m), by dense sampling."""
     scenario, load, cables = plan.scenario, np.inf, np.inf
     center = plan.at(np.linspace(0, scenario.task.duration, INSTANTS)).position[:, None]
-    hook = center + [0, 0, scenario.payload.height / 2]
+    hook = center + np.array([0, 0, scenario.payload.height / 2])
     for obstacle in scenario.obstacles:
         load = min(load, signed_distance(obstacle, center + surface_of_load(scenario)).min())
         for end in plan.ends:
