@@ -85,7 +85,8 @@ def keep_inside(regions: Regions, point: Vec3) -> Vec3:
 
     The loop over the regions carries one array, so that XLA computes every gauge once: gauges
     are not negative and therefore order like the integers of the same bits, whose lowest few make
-    way for the region's number. What a gauge loses by that, at most one part in 2¹⁵ in float32, a
+    way for the region's number. What a gauge loses by that, at most one part in 2¹⁵ in float32
+    with up to 256 regions, a
     point is drawn in further (a third of a millimetre in a region of several metres).
     """
     dtype, count = point.x.dtype, regions.table.shape[0]

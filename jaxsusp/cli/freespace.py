@@ -93,9 +93,10 @@ def _tell(space: FreeSpace, files: list[Path], as_json: bool) -> None:
     console.print(to_rich(region_table(space)), "")
     if space.connected:
         console.print(
-            f"No polyline through this sequence of regions is shorter than {space.bound:.4f} m."
+            "No polyline through this sequence of regions is shorter than "
+            f"{np.floor(1e4 * space.bound) / 1e4:.4f} m."
         )
     else:
         console.print(f"[bold]{space.reason}[/bold]")
     times = ", ".join(f"{name} {value:.2f} s" for name, value in seconds.items())
-    console.print(f"{space.details['bodies']} convex bodies to avoid; {times}")
+    console.print(f"{space.details['bodies']} convex bodies to avoid; computed in: {times}")

@@ -110,7 +110,8 @@ def _shadows(scenario: Scenario, body: Body) -> Iterator[Body]:
     rows = zip(scenario.robots, attachments_of(scenario), strict=True)
     for k, (robot, attachment) in enumerate(rows):
         end = np.array(robot.end)
-        nearest = nearest_point(body.faces, end).point
+        scale = float(np.linalg.norm(body.corners[0] - end)) or 1.0
+        nearest = nearest_point(body.faces, end, scale).point
         distance = 0.0 if nearest is None else float(np.linalg.norm(nearest - end))
         if distance < 1e-6:
             raise InputError(

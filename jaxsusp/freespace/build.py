@@ -54,6 +54,9 @@ def free_space(
 ) -> FreeSpace:
     """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
 
+    Where the ends of the cables move, a position of the load does not say where the cables are:
+    regions are then clear for the load alone.
+
     Regions are grown until start and goal are connected and the share of sampled free positions
     that lie in a region is reached. The answer is kept in a cache by the content of the scenario
     and the settings (`JAXSUSP_CACHE` names the folder).
@@ -80,12 +83,12 @@ def free_space(
     require_solver(solver)
     settings = {"coverage": coverage, "limit": limit, "seed": seed, "solver": solver}
     file = _cache_file(scenario, settings) if cache else None
-    if file and file.is_file():
-        with suppress(InputError):  # damaged: it is built and written again
+    if file:
+        with suppress(InputError, OSError):  # missing or damaged: it is built and written
             return load_free_space(file)
     space = _Builder(scenario, settings, progress).build()
     if file:
-        with suppress(InputError):  # a full or read-only disk costs time next time, nothing else
+        with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
             space.save(file)
     return space
 
@@ -154,8 +157,11 @@ class _Builder:
             try:
                 region = self._grow(place)
             except InputError as error:
-                blocked = str(error).partition(" is ")[2].partition(";")[0]
-                return f"{name} = {place.tolist()} has no free space around it: it is {blocked}"
+                blocked = str(error).partition(" is ")[2].rpartition("; choose")[0]
+                return (
+                    f"{name} = {place.tolist()} has no free space around it: it is {blocked}, "
+                    "round obstacles taken up to 2 % larger"
+                )
             if region is None:
                 return f"{name} = {place.tolist()} has too little free space around it"
             self._add(region, 0.0)
@@ -171,7 +177,8 @@ class _Builder:
             covered = self._covered(samples)
             share = covered.mean().item()
             connected = self.graph.connect(self.start, self.goal)
-            if (share >= self.settings["coverage"] and connected) or self._full:
+            enough = share >= self.settings["coverage"] and connected
+            if enough or self._full or round_ == _ROUNDS - 1:
                 return share  # of samples that no region was seeded at
             if round_ == 0:
                 for target in self._targets(samples):
@@ -184,7 +191,6 @@ class _Builder:
 
     def _fill(self, samples: Points, covered: np.ndarray, wanted: float) -> None:
         """Add regions until a share of the samples is covered; updates `covered`."""
-        missing = np.flatnonzero(~covered)
         hopeless = np.zeros(len(samples), bool)
         while covered.mean() < wanted and not self._full:
             missing = np.flatnonzero(~covered & ~hopeless)
@@ -194,10 +200,10 @@ class _Builder:
             grown = [(self._grow(samples[i]), i) for i in tried]
             hopeless[[i for region, i in grown if region is None]] = True
             found = [region for region, _ in grown if region is not None]
-            gains = [region.polytope.excess(samples[missing]) <= 0 for region in found]
+            gains = [~covered & (region.polytope.excess(samples) <= 0) for region in found]
             if found:
                 best = int(np.argmax([gain.sum() for gain in gains]))
-                covered[missing[gains[best]]] = True
+                covered |= gains[best]
                 self._add(found[best], covered.mean().item())
 
     def _targets(self, samples: Points) -> Iterator[Point]:

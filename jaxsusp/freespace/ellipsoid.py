@@ -8,7 +8,7 @@ import cvxpy as cp
 import numpy as np
 from jaxtyping import Float
 
-from jaxsusp.errors import require_known
+from jaxsusp.errors import InputError, require, require_known
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point
 
 SOLVER = "CLARABEL"
@@ -66,7 +66,8 @@ def largest_ellipsoid(halves: HalfSpaces, solver: str = SOLVER) -> Ellipsoid | N
     try:
         with warnings.catch_warnings():  # an inaccurate solution is drawn in like any other
             warnings.simplefilter("ignore", UserWarning)
-            program.problem.solve(solver=solver)
+            # A warm start would let a region depend on those grown before it.
+            program.problem.solve(solver=solver, warm_start=False)
     except cp.SolverError:
         return None
     if program.d.value is None:
@@ -80,9 +81,17 @@ def largest_ellipsoid(halves: HalfSpaces, solver: str = SOLVER) -> Ellipsoid | N
     return Ellipsoid(min(1.0, (room / reach).min()) * C, d)
 
 
+@functools.cache
 def require_solver(name: str) -> None:
-    """Refuse a solver that is not installed."""
+    """Refuse a solver that is not installed, has no licence, or solves no cone programs."""
     require_known("solver", name, cp.installed_solvers())
+    cube = HalfSpaces.box(np.full(3, -1.0), np.full(3, 1.0))
+    try:
+        found = largest_ellipsoid(cube, name)
+    except Exception as error:  # each solver fails in its own way
+        raise InputError(f"solver = {name!r} cannot be used ({error}); choose another") from error
+    wrong = f"solver = {name!r} does not solve Eq. 23; choose a cone solver such as {SOLVER}"
+    require(found is not None, wrong)
 
 
 @functools.cache

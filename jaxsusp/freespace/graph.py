@@ -24,7 +24,7 @@ class RegionGraph:
 
     def add(self, region: Region) -> None:
         """Take in a region."""
-        self._meets.append([_meet(region.polytope, other.polytope) for other in self.regions])
+        self._meets.append([_meet(region, other) for other in self.regions])
         self.regions.append(region)
 
     @property
@@ -68,11 +68,13 @@ class RegionGraph:
         )
         members: list[set[int]] = [set(self.holding(start)), set(self.holding(goal))]
         members += [set(pair) for pair in crossings]
-        edges = [
-            (one, two)
-            for region in range(len(self.regions))
-            for one, two in _pairs([at for at, regions in enumerate(members) if region in regions])
-        ]
+        edges = sorted(
+            {
+                pair
+                for region in range(len(self.regions))
+                for pair in _pairs([at for at, regions in enumerate(members) if region in regions])
+            }
+        )
         if not edges:
             return []
         rows, columns = np.array(edges).T
@@ -97,17 +99,18 @@ class RegionGraph:
         segment lies in one convex region, so the polyline is as clear as the regions are.
 
         Returns:
-            The polyline (m) with start and goal, and its length as the solver has it: no polyline
-            through this sequence of regions is shorter, to the solver's relative tolerance.
+            The polyline (m) with start and goal, and a lower bound (m) that holds for every
+            polyline through this sequence of regions, whatever the solver's tolerance.
         """
         crossings = [self._crossing(i, j) for i, j in pairwise(route)]
         if not crossings:
             return np.array([start, goal]), float(np.linalg.norm(goal - start))
         x = cp.Variable((len(crossings), 3))
         points = cp.vstack([start[None], x, goal[None]])
+        lengths = cp.Variable(len(crossings) + 1)
+        steps = cp.SOC(lengths, (points[1:] - points[:-1]).T)
         inside = [c.A @ x[i] <= c.b for i, c in enumerate(crossings)]
-        length = cp.sum(cp.norm(points[1:] - points[:-1], axis=1))
-        problem = cp.Problem(cp.Minimize(length), inside)
+        problem = cp.Problem(cp.Minimize(cp.sum(lengths)), [steps, *inside])
         problem.solve(solver=solver)
         assert x.value is not None, problem.status
         # Solvers stop a little outside: the nearest points inside are exactly in both regions.
@@ -116,7 +119,9 @@ class RegionGraph:
             for crossing, point in zip(crossings, np.asarray(x.value), strict=True)
         ]
         assert all(point is not None for point in exact)
-        return np.array([start, *exact, goal]), float(np.asarray(problem.value))
+        assert steps.dual_value is not None
+        pulls = -np.asarray(steps.dual_value[1]).T
+        return np.array([start, *exact, goal]), _least_length(crossings, pulls, start, goal)
 
     def _crossing(self, i: int, j: int) -> HalfSpaces:
         return self.regions[i].polytope & self.regions[j].polytope
@@ -125,10 +130,31 @@ class RegionGraph:
 _TOUCH = 1e-9
 """m that a point may lie outside a region it is said to be in."""
 
+_ROOM = 1e-6
+"""Radius (m) of a ball that two regions must share to count as intersecting: what is thinner is
+below the tolerances of solvers, and of any crane."""
 
-def _meet(one: HalfSpaces, two: HalfSpaces) -> bool:
-    both = one & two
-    return nearest_point(both, np.zeros(3)).point is not None
+
+def _meet(one: Region, two: Region) -> bool:
+    """Whether two polytopes share more than a touch."""
+    both = one.polytope & two.polytope
+    roomy = HalfSpaces(both.A, both.b - _ROOM)
+    found = nearest_point(roomy, one.ellipsoid.d).point
+    return found is not None and bool(both.excess(found) < 0)  # where they all but touch, look
+
+
+def _least_length(crossings: list[HalfSpaces], pulls: Points, start: Point, goal: Point) -> float:
+    """A length that no polyline through the crossings falls below, by weak duality.
+
+    For any vectors y_i with ‖y_i‖ <= 1, Σ ‖x_{i+1} - x_i‖ >= Σ y_i · (x_{i+1} - x_i), whose least
+    value over every crossing is a linear program. The solver's dual variables make it tight.
+    """
+    y = pulls / np.maximum(1, np.linalg.norm(pulls, axis=1, keepdims=True))
+    least = float(y[-1] @ goal - y[0] @ start)
+    for crossing, cost in zip(crossings, y[:-1] - y[1:], strict=True):
+        found = linprog(cost, crossing.A, crossing.b, bounds=(None, None), method="highs")
+        least += found.fun if found.fun is not None else -np.inf
+    return least
 
 
 def center(halves: HalfSpaces) -> Point:
@@ -136,10 +162,7 @@ def center(halves: HalfSpaces) -> Point:
     rows = np.column_stack([halves.A, np.ones(len(halves.b))])
     free = [(None, None)] * 3 + [(0, None)]
     found = linprog([0, 0, 0, -1], rows, halves.b, bounds=free, method="highs")
-    if found.x is None:  # a crossing so thin that HiGHS finds no point: it has one, as _meet knows
-        nearest = nearest_point(halves, np.zeros(3)).point
-        assert nearest is not None
-        return nearest
+    assert found.x is not None, found.message  # a crossing has room, as _meet knows
     return found.x[:3]
 
 

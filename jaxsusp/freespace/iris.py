@@ -62,7 +62,7 @@ class Bodies:
         for body in self.bodies:
             lower, upper = body.corners.min(axis=0), body.corners.max(axis=0)
             near = ~inside & (points >= lower).all(axis=-1) & (points <= upper).all(axis=-1)
-            inside[near] = body.faces.excess(points[near]) <= 0
+            inside[near] = body.faces.excess(points[near]) <= GAP
         return inside
 
 

@@ -36,6 +36,9 @@ _DIMS: dict[str, tuple[str, ...]] = {
 class FreeSpace:
     """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
 
+    Where the ends of the cables move, for the load alone. A mesh of shape "hull" is avoided as its
+    hull, while the fitness counts contacts with its box.
+
     Arrays are read-only. Polytopes {p : A p <= b} are padded with rows 0 p <= 1. Regions stay
     0.1 mm away from every warning area. `route` and `polyline` are empty and `bound` is infinite
     where no way from start to goal was found; `reason` then says so.
@@ -48,7 +51,7 @@ class FreeSpace:
     adjacency: Bool[np.ndarray, "regions regions"]  # which polytopes intersect
     route: Int[np.ndarray, " steps"]  # indices of regions from start to goal
     polyline: Float[np.ndarray, "points 3"]  # the shortest on the route, m
-    bound: float  # length of the shortest polyline through this sequence of regions, m
+    bound: float  # no polyline through this sequence of regions is shorter, m
     coverage: float  # share of free positions that lie in a region, estimated by sampling
     reason: str = ""  # why there is no route
     details: dict[str, Any] = field(default_factory=dict)  # settings, counts, seconds

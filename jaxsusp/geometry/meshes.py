@@ -34,18 +34,17 @@ def bounding_box(path: str | Path, scale: float = 1.0) -> np.ndarray:
 
 
 def hull_points(path: str | Path, scale: float = 1.0) -> np.ndarray:
-    """Corners of a mesh's convex hull about the centre of its bounding box (m), (corners, 3).
+    """Vertices of a mesh about the centre of its bounding box (m), (vertices, 3).
+
+    All of them, whose convex hull stands for the mesh; a flat mesh has none of its own.
 
     Raises:
-        MeshError: as for `bounding_box`, or the mesh is flat, so that only its box has an inside.
+        MeshError: as for `bounding_box`.
     """
     bounding_box(path, scale)
     scene = _load(path)
-    try:
-        corners = np.asarray(scene.convex_hull.vertices, np.float64)
-    except Exception as error:  # Qhull's own, of no common class
-        raise MeshError(f'{path} is flat and has no hull; use shape = "box"') from error
-    return scale * (corners - np.mean(scene.bounds, axis=0))
+    vertices = np.asarray(scene.to_mesh().vertices, np.float64)
+    return scale * (vertices - np.mean(scene.bounds, axis=0))
 
 
 def _load(path: str | Path):

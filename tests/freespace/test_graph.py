@@ -83,3 +83,15 @@ def test_shortest_polyline_is_that_of_another_solver():
         )
         assert polyline_length(polyline) == pytest.approx(other.fun, rel=1e-4)
         assert bound <= other.fun * (1 + 1e-6)
+
+
+def test_a_straight_line_in_one_of_several_shared_regions_stays_straight():
+    """Start and goal lie in the same two regions, and other regions would be a detour."""
+    shared = graph(
+        ([0, 0, 0], [4, 2, 1]), ([-1, 0, 0], [5, 2, 1]), ([-1, 0, 0], [1, 3, 1]),
+        ([3, 0, 0], [5, 3, 1]),
+    )  # fmt: skip
+    start, goal = np.array([0.5, 0.1, 0.5]), np.array([3.5, 0.5, 0.5])
+    route = shared.route(start, goal)
+    assert len(route) == 1
+    assert shared.shortest_polyline(route, start, goal)[1] == np.linalg.norm(goal - start)

@@ -75,7 +75,6 @@ def test_hull_of_a_box_has_six_faces_and_eight_corners():
 def test_what_adds_nothing_goes_and_the_body_stays(seed):
     random = np.random.default_rng(seed)
     halves = random_polytope(random, faces=30)
-    inside = nearest_point(halves, np.zeros(3)).point
     x, r = cp.Variable(3), cp.Variable()
     cp.Problem(cp.Maximize(r), [halves.A @ x + r <= halves.b]).solve("CLARABEL")
     inside = x.value

@@ -41,7 +41,6 @@ def test_section_of_an_ellipsoid():
     top = np.sqrt((C @ C.T)[2, 2])
     ellipse = freespace._ellipse(Ellipsoid(C, d), 3.0 + 0.4 * top)
     assert isinstance(ellipse, Ellipse)
-    on = ellipse.get_transform().transform(ellipse.get_path().vertices[[0, 5, 12, 20]])
     on = ellipse.get_patch_transform().transform(
         np.stack([np.cos([0, 1, 2, 4]), np.sin([0, 1, 2, 4])], axis=1)
     )
