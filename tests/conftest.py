@@ -1,12 +1,14 @@
 """Settings under which every test runs: float64, two CPU devices, no silent promotion."""
 
 import os
+import sys
 import tempfile
 
 import jax
 import pytest
 
 import jaxsusp as js
+from jaxsusp import cli, launch
 
 jax.config.update("jax_num_cpu_devices", 2)
 jax.config.update("jax_enable_x64", True)
@@ -30,3 +32,18 @@ def scenarios() -> list[js.Scenario]:
 def problems(scenarios) -> list[js.Problem]:
     """Their planning problems in float64, waypoints anywhere in the workspace."""
     return [js.Problem.from_scenario(scenario, search="box") for scenario in scenarios]
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run a command of the command line in this process: (status, stdout, stderr)."""
+    monkeypatch.setattr(launch, "configure", lambda **_: None)  # JAX has started already
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        said = capsys.readouterr()
+        return ended.value.code or 0, said.out, said.err
+
+    return run

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 import jaxsusp as js
-from jaxsusp import cli, comparison, launch, results
+from jaxsusp import cli, comparison, results
 from jaxsusp.comparison import Event
 from jaxsusp.progress import Pace
 from jaxsusp.report import folder, scene3d
@@ -28,21 +28,6 @@ ENVIRONMENT = {
     "XLA_FLAGS": "--xla_cpu_prefer_vector_width=256",  # as in the tests' own process
     "COLUMNS": "80",
 }
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command in this process: (status, stdout, stderr)."""
-    monkeypatch.setattr(launch, "configure", lambda **_: None)  # JAX has started already
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        said = capsys.readouterr()
-        return ended.value.code, said.out, said.err
-
-    return run
 
 
 @pytest.fixture(scope="module")

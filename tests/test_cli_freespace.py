@@ -1,27 +1,11 @@
 """`jaxsusp freespace` as a person or a script meets it."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 
 import jaxsusp as js
-from jaxsusp import cli
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command in this process: (status, stdout, stderr)."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        captured = capsys.readouterr()
-        return ended.value.code or 0, captured.out, captured.err
-
-    return run
 
 
 @pytest.fixture

@@ -1,31 +1,14 @@
 """`jaxsusp plan` and `jaxsusp verify` as a person or a script meets them."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 from plans import LOW
 
 import jaxsusp as js
-from jaxsusp import cli, launch
 from jaxsusp.report import planfolder
 from jaxsusp.verify import pictures
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command in this process: (status, stdout, stderr)."""
-    monkeypatch.setattr(launch, "configure", lambda **_: None)  # JAX has started already
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        said = capsys.readouterr()
-        return ended.value.code, said.out, said.err
-
-    return run
 
 
 @pytest.fixture(scope="module")
