@@ -18,8 +18,8 @@ from jaxsusp.freespace.graph import center, polyline_length
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces, volume
 
-FORMAT = 1
-"""Version of the file's layout."""
+FORMAT = 2
+"""Version of the file's layout and of what builds it: a cache keeps nothing of another one."""
 
 _DIMS: dict[str, tuple[str, ...]] = {
     "A": ("region", "face", "axis"),
