@@ -3,11 +3,10 @@
 import time
 from collections.abc import Callable
 
-import numpy as np
 from rich.console import Console
 
 import jaxsusp as js
-from jaxsusp.plans import Plan, hold, plan_through
+from jaxsusp.plans import Plan, plan_through
 from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.simulation import simulate
 
@@ -27,8 +26,6 @@ def planning_rows(console: Console) -> dict[str, float]:
     """Measure and print; seconds by name."""
     scenario = js.load_scenario("scenario-1")
     plan: Plan = js.plan(scenario)
-    posture = hold(scenario, plan.law, plan.ends, len(plan.times))
-    chains = np.asarray(posture.chains)
     targets = (
         ("plan_given_s", "a plan with given ends, certificate included", 1.0,
          lambda seed: js.plan(scenario, seed=seed)),
@@ -37,7 +34,7 @@ def planning_rows(console: Console) -> dict[str, float]:
         ("check_s", "smoothing, limits and certificate of one candidate", None,
          lambda _: plan_through(scenario, plan.waypoints)),
         ("certificate_s", "the certificate alone", None,
-         lambda _: certify(scenario, plan.law, plan.ends, chains)),
+         lambda _: certify(plan.rigging)),
         ("simulation_s", "simulation of 40 s", 2.0, lambda _: simulate(plan)),
     )  # fmt: skip
     found = {}

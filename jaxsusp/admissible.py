@@ -19,7 +19,7 @@ from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.mechanics.arm import reach, reachable, shoulder_distance
 from jaxsusp.mechanics.graspmap import rank
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World, build_world
+from jaxsusp.world import World, attachments_of, build_world
 
 if TYPE_CHECKING:
     from jaxsusp.scenario import Scenario
@@ -112,7 +112,7 @@ def _outside(scenario: "Scenario") -> Iterator[str]:
 
 def _not_below(scenario: "Scenario") -> Iterator[str]:
     """A start or goal at which a cable would not pull upwards."""
-    offsets = _attachments(scenario)
+    offsets = attachments_of(scenario)
     for place, point in _places(scenario):
         for k, robot in enumerate(scenario.robots):
             if (height := point[2] + offsets[k, 2]) >= robot.end[2]:
@@ -193,10 +193,3 @@ def _contacts(world: World) -> Iterator[np.ndarray]:
 def _places(scenario: "Scenario") -> Iterator[tuple[str, tuple[float, float, float]]]:
     yield "task.start", scenario.task.start
     yield "task.goal", scenario.task.goal
-
-
-def _attachments(scenario: "Scenario") -> np.ndarray:
-    """Lower cable ends (K, 3) relative to the load's centre (m)."""
-    payload, robots = scenario.payload, len(scenario.robots)
-    hook = [[0.0, 0.0, payload.height / 2]] * robots
-    return np.array(hook if payload.attachments == "hook" else payload.attachments)

@@ -6,9 +6,10 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.errors import InputError
+from jaxsusp.hanging import hanging_trouble
+from jaxsusp.loads import cable_loads
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.scenario import Scenario
-from jaxsusp.verify.limits import cable_loads
 
 GRID = (15, 15, 12)
 """Positions of the workspace that are looked at, per axis."""
@@ -43,6 +44,11 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
     if ends == "placed":
         return
     for name, place in (("task.start", scenario.task.start), ("task.goal", scenario.task.goal)):
+        if scenario.payload.attachments != "hook" and (trouble := hanging_trouble(scenario, place)):
+            raise ImpossibleTaskError(
+                f"{scenario.name}: no plan is possible: at {name} {_place(place)} {trouble}; move "
+                "the task, the ends or the attachments, or raise limits.posture_deg"
+            )
         tensions = static_tensions(scenario, np.array([place], np.float64))[0]
         if worst := _worst(tensions, low, high):
             elsewhere = _elsewhere(scenario)
@@ -55,9 +61,8 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
 def static_tensions(
     scenario: Scenario, position: Float[np.ndarray, "points xyz"]
 ) -> Float[np.ndarray, "points cables"]:
-    """Tensions (N) of a load at rest; NaN where the cables lie in a plane."""
-    ends = np.array([robot.end for robot in scenario.robots], np.float64)
-    return cable_loads(scenario, ends, position, np.zeros_like(position)).static
+    """Tensions (N) of a load at rest; NaN where cables lie in a plane, or without equilibrium."""
+    return cable_loads(scenario, position).static
 
 
 def _worst(tensions: np.ndarray, low: float, high: float) -> str:

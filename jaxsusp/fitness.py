@@ -112,6 +112,8 @@ def fitness_terms(
     samples: int,
     with_stability: bool = False,
     drive: str = "cable",
+    with_cables: bool = True,
+    ends: Vec3 | None = None,
 ) -> FitnessTerms:
     """All terms of Eq. 21 for the trajectory through the waypoints of x.
 
@@ -121,11 +123,15 @@ def fitness_terms(
         samples: number of trajectory samples n.
         with_stability: whether S_cmin is checked among the violations.
         drive: how the ends follow the load, see `mechanics.drives`.
+        with_cables: whether contacts of cables count, or the load's alone.
+        ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule.
     """
     position = trajectory(world, x, samples)
-    ends = ends_at(world, position, drive)
+    ends = ends_at(world, position, drive) if ends is None else ends
     lengths, tensions = tensions_at(world, position, ends)
-    collisions = count_collisions(position, world.bodies._replace(ends=ends), world.obstacles)
+    avoiding = ends if with_cables else ends.each(lambda c: c[:0])
+    bodies = world.bodies._replace(ends=avoiding)
+    collisions = count_collisions(position, bodies, world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, ends)
     if moving(drive):
         violations += count_misplaced(world, ends, drive)

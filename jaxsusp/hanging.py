@@ -4,7 +4,7 @@ This is the statics of the constraint report (Eq. 22): a finished plan asks at e
 the load is in equilibrium there, how far it turns, and whether it stays.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import jax
@@ -47,6 +47,7 @@ def equilibrium(
     position: Float[Array, "*batch xyz"] | Sequence,
     acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
     posture: Float[Array, "xyz 3"] | Sequence | None = None,
+    ends: Float[Array, "*#batch cables xyz"] | Sequence | None = None,
 ) -> Hanging:
     """How the load hangs at given positions of its centre (spec §3).
 
@@ -60,6 +61,8 @@ def equilibrium(
         acceleration: of the payload, broadcastable to `position`, m/s²; it acts as a change of
             gravity.
         posture: rotation matrix to start from with separate attachments; default level.
+        ends: upper cable ends, (K, 3) or (…, K, 3), m; default the scenario's, moved by the plain
+            rule of its drive mode.
 
     Returns:
         A `Hanging` with the batch shape of `position`, float64 for host input, the dtype of
@@ -78,16 +81,22 @@ def equilibrium(
             f"{scenario.name}: posture is tilted, but at a hook the load hangs straight down "
             "whatever its cables do; leave it out, or give separate payload.attachments"
         )
-    require_fixed_ends_if_separate(scenario)
+    if ends is None:
+        require_fixed_ends_if_separate(scenario)
     dtype = position.dtype if isinstance(position, jax.Array) else np.dtype(np.float64)
     with jax.enable_x64(dtype == np.float64):
         where = jnp.asarray(position, dtype)
         pull = jnp.broadcast_to(jnp.asarray(acceleration, dtype), where.shape)
         gravity = (-pull).at[..., 2].add(-GRAVITY)
         world = cast_world(build_world(scenario), dtype)
-        flat = where.reshape(-1, 3), gravity.reshape(-1, 3)
+        if ends is None:
+            held = _packed_last(ends_at(world, Vec3.from_array(where), scenario.drive))
+        else:
+            held = jnp.asarray(ends, dtype)
+        held = jnp.broadcast_to(held, (*where.shape[:-1], world.cables, 3))
+        flat = where.reshape(-1, 3), gravity.reshape(-1, 3), held.reshape(-1, world.cables, 3)
         find = _at_hook if hook else _turned
-        found = find(world, *flat, jnp.asarray(start, dtype), scenario.drive)
+        found = find(world, *flat, jnp.asarray(start, dtype))
         return jax.tree.map(lambda leaf: leaf.reshape(*where.shape[:-1], *leaf.shape[1:]), found)
 
 
@@ -95,33 +104,45 @@ def hanging_problems(
     scenario: Scenario,
     position: Float[Array, "samples xyz"] | Sequence,
     acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
+    ends: Float[Array, "*#batch cables xyz"] | Sequence | None = None,
 ) -> list[str]:
     """Why a load carried along these positions would not hang as planned; empty if it does.
 
     One line per reason with the worst sample: no equilibrium, turned too far, not stable.
     """
-    found = jax.tree.map(np.asarray, equilibrium(scenario, position, acceleration))
-    limit, turn = scenario.limits.posture_deg, np.rad2deg(found.turn)
-    lines = []
+    found = jax.tree.map(np.asarray, equilibrium(scenario, position, acceleration, ends=ends))
+    return [
+        f"sample {sample}: {what} ({int(flags.sum())} of {flags.size} samples)"
+        for what, sample, flags in _troubles(found, scenario.limits.posture_deg)
+    ]
+
+
+def hanging_trouble(scenario: Scenario, position: Float[Array, "xyz"] | Sequence) -> str:
+    """Why a load does not hang near level at one position; empty if it does."""
+    found = jax.tree.map(np.asarray, equilibrium(scenario, np.asarray(position)[None]))
+    return "; ".join(what for what, _, _ in _troubles(found, scenario.limits.posture_deg))
+
+
+def _troubles(found: Hanging, limit: float) -> Iterator[tuple[str, int, np.ndarray]]:
+    """What is wrong with a hanging, its worst sample, and all samples that have it."""
+    turn = np.rad2deg(found.turn)
     if not found.balanced.all():
         worst = int(np.argmax(np.where(found.balanced, -1, found.moment + found.force)))
-        lines.append(
-            f"sample {worst}: no equilibrium: with the cables' best tensions "
-            f"{found.force[worst]:.3g} N and {found.moment[worst]:.3g} N m are missing "
-            f"({_count(~found.balanced)})"
-        )
+        yield (
+            f"no equilibrium: with the cables' best tensions {found.force[worst]:.3g} N and "
+            f"{found.moment[worst]:.3g} N m are missing", worst, ~found.balanced,
+        )  # fmt: skip
     beyond = found.balanced & ~(turn <= limit)
     if beyond.any():
         worst = int(np.argmax(np.where(beyond, turn, -1)))
-        lines.append(
-            f"sample {worst}: level is no equilibrium: the load turns by {turn[worst]:.3g}°, more "
-            f"than limits.posture_deg = {limit:g} ({_count(beyond)})"
-        )
+        yield (
+            f"level is no equilibrium: the load turns by {turn[worst]:.3g}°, more than "
+            f"limits.posture_deg = {limit:g}", worst, beyond,
+        )  # fmt: skip
     loose = found.balanced & ~found.stable
     if loose.any():
         worst = int(np.argmin(np.where(loose, found.stiffness, np.inf)))
-        lines.append(f"sample {worst}: the equilibrium is not stable ({_count(loose)})")
-    return lines
+        yield "the equilibrium is not stable", worst, loose
 
 
 def require_fixed_ends_if_separate(scenario: Scenario) -> None:
@@ -134,22 +155,21 @@ def require_fixed_ends_if_separate(scenario: Scenario) -> None:
         )
 
 
-def _count(flags: np.ndarray) -> str:
-    return f"{int(flags.sum())} of {flags.size} samples"
-
-
 def _load(world: World, gravity: Array) -> Load:
     attachments = world.bodies.attachments.to_array()
     rows = jnp.broadcast_to(attachments, (world.cables, 3))
     return Load(world.mass, gravity, world.center_of_mass.to_array(), rows)
 
 
-@jax.jit(static_argnames="drive")
-def _turned(world: World, position: Array, gravity: Array, start: Array, drive: str) -> Hanging:
-    del drive  # the ends of separate attachments stay
+def _packed_last(ends: Vec3) -> Float[Array, "*batch cables xyz"]:
+    """Ends packed along the first axis, as rows per position."""
+    return jnp.moveaxis(ends.to_array(), 0, -2)
 
-    def one(where: Array, field: Array) -> Hanging:
-        load, ends = _load(world, field), world.bodies.ends.to_array()
+
+@jax.jit
+def _turned(world: World, position: Array, gravity: Array, ends: Array, start: Array) -> Hanging:
+    def one(where: Array, field: Array, ends: Array) -> Hanging:
+        load = _load(world, field)
         if world.cables == 3:
             found = hang(where, start, load, ends)
         else:
@@ -157,21 +177,20 @@ def _turned(world: World, position: Array, gravity: Array, start: Array, drive: 
             found = hang_within(where, start, load, ends, *limits)
         return _describe(found, stiffness(found.pose, found.tensions, load, ends))
 
-    return jax.vmap(one)(position, gravity)
+    return jax.vmap(one)(position, gravity, ends)
 
 
-@jax.jit(static_argnames="drive")
-def _at_hook(world: World, position: Array, gravity: Array, start: Array, drive: str) -> Hanging:
+@jax.jit
+def _at_hook(world: World, position: Array, gravity: Array, ends: Array, start: Array) -> Hanging:
     where, field = Vec3.from_array(position), Vec3.from_array(gravity)
-    ends = ends_at(world, where, drive)
-    vectors = cable_vectors(where, world.bodies.attachments, ends)
+    packed = Vec3.from_array(jnp.moveaxis(ends, -2, 0))
+    vectors = cable_vectors(where, world.bodies.attachments, packed)
     lengths = cable_lengths(vectors)
     force = field * -world.mass
     limits = tight_tension_limits(world.limits, position.dtype)
     tensions = force_tensions(vectors, lengths, force, limits)
     arm = world.bodies.attachments.each(lambda c: c[0]) - world.center_of_mass
     columns = jnp.stack(tensions, axis=-1)
-    rows = ends.each(lambda c: jnp.broadcast_to(c.T, columns.shape)).to_array()
 
     def softest(point: Array, field: Array, tension: Array, ends: Array) -> Array:
         return stiffness(Pose(point, start), tension, _load(world, field), ends, hook=True)
@@ -184,7 +203,7 @@ def _at_hook(world: World, position: Array, gravity: Array, start: Array, drive:
         norm(cross(arm, force)),
         jnp.where(jnp.isfinite(columns).all(axis=-1), CONVERGED, 2),
     )
-    modes = jax.vmap(softest)(position, gravity, columns, rows)
+    modes = jax.vmap(softest)(position, gravity, columns, ends)
     return jax.vmap(_describe)(found, modes)
 
 

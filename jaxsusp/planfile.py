@@ -23,12 +23,12 @@ from jaxsusp.scenario import Scenario, ScenarioError
 from jaxsusp.verify.certificate import Certificate, Clearance, Contact
 from jaxsusp.verify.limits import Check
 
-FORMAT, SCHEMA = "jaxsusp plan", 1
+FORMAT, SCHEMA = "jaxsusp plan", 2
 
 ARRAYS = {
     "waypoints": ("waypoints_m", ("waypoints", 3)),
     "path": ("path_m", ("points", 3)),
-    "ends": ("ends_m", ("cables", 3)),
+    "end_path": ("end_path_m", ("rows", "cables", 3)),
     "times": ("times_s", ("samples",)),
     "position": ("position_m", ("samples", 3)),
     "velocity": ("velocity_m_per_s", ("samples", 3)),
@@ -36,6 +36,8 @@ ARRAYS = {
     "jerk": ("jerk_m_per_s3", ("samples", 3)),
     "lengths": ("lengths_m", ("samples", "cables")),
     "tensions": ("tensions_N", ("samples", "cables")),
+    "angles": ("angles_rad", ("samples", 3)),
+    "ends": ("ends_m", ("samples", "cables", 3)),  # without the samples where the ends stay
     "joints": ("joints_rad", ("samples", "cables", 3)),
 }
 """Arrays of a plan: their names in the file and their shapes."""
@@ -136,6 +138,7 @@ def _document(path: Path) -> dict[str, Any]:
 
 
 def _plan(document: dict[str, Any], path: Path) -> Plan:
+    document = _brought_up(document)
     scenario = Scenario.from_toml(document["scenario"], path)
     if scenario.digest != document["scenario_digest"]:
         raise InputError(
@@ -144,6 +147,7 @@ def _plan(document: dict[str, Any], path: Path) -> Plan:
     arrays, sizes = {}, {"cables": len(scenario.robots)}
     for field, (name, shape) in ARRAYS.items():
         array = np.array(_numbers(document[name]), np.float64)
+        shape = shape[1:] if field == "ends" and sizes["rows"] == 1 else shape
         wanted = tuple(
             sizes.setdefault(size, length) if isinstance(size, str) else size
             for size, length in zip(shape, array.shape, strict=True)
@@ -168,19 +172,29 @@ def _plan(document: dict[str, Any], path: Path) -> Plan:
     )
 
 
+def _brought_up(document: dict[str, Any]) -> dict[str, Any]:
+    """A document of an older schema as one of this: plans of the first had still ends and hooks."""
+    if document["schema"] > 1:
+        return document
+    level = [[0.0] * 3 for _ in document["times_s"]]
+    return {**document, "end_path_m": [document["ends_m"]], "angles_rad": level}
+
+
 def save_csv(plan: Plan, path: str | os.PathLike[str]) -> None:
     """Write the samples of a plan, one row each, with the units in the column names."""
-    cables = range(1, len(plan.ends) + 1)
+    cables = range(1, plan.lengths.shape[1] + 1)
     columns = {"time_s": plan.times}
     kinematics = (("position", "m"), ("velocity", "m_per_s"), ("acceleration", "m_per_s2"),
                   ("jerk", "m_per_s3"))  # fmt: skip
     for field, unit in kinematics:
         values = getattr(plan, field)
         columns |= {f"{axis}_{field}_{unit}": values[:, i] for i, axis in enumerate("xyz")}
+    columns |= {f"alpha_{i + 1}_rad": plan.angles[:, i] for i in range(3)}
     columns |= {f"length_{k}_m": plan.lengths[:, k - 1] for k in cables}
     columns |= {f"tension_{k}_N": plan.tensions[:, k - 1] for k in cables}
+    ends = np.broadcast_to(plan.ends, plan.joints.shape)
     for k in cables:
-        end = np.broadcast_to(plan.ends[k - 1], plan.position.shape)
+        end = ends[:, k - 1]
         columns |= {f"end_{k}_{axis}_m": end[:, i] for i, axis in enumerate("xyz")}
         columns |= {f"joint_{k}_{i + 1}_rad": plan.joints[:, k - 1, i] for i in range(3)}
     buffer = io.StringIO()

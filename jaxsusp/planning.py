@@ -1,9 +1,9 @@
 """From a task to a verified plan: search, smooth, check, and search again (Fig. 2; spec §10)."""
 
-import dataclasses
 import os
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import jax
@@ -14,20 +14,24 @@ from jaxsusp._types import Float
 from jaxsusp.batch import run_batch
 from jaxsusp.coordination.arms import build_robots
 from jaxsusp.coordination.ends import JointFitness, decode, joint_problem, place_ends
-from jaxsusp.coordination.margins import with_ends_at, with_margins
+from jaxsusp.coordination.leastvariance import moving_ends
+from jaxsusp.coordination.margins import MARGIN, with_ends_at, with_margins
 from jaxsusp.errors import InputError, require, require_count, require_known, require_seed
 from jaxsusp.feasibility import require_possible, static_tensions
+from jaxsusp.fitness import fitness_terms
 from jaxsusp.freespace.build import free_space
+from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
-from jaxsusp.plans import Plan, plan_through, require_cable_driven
-from jaxsusp.problem import Problem, stack_problems
+from jaxsusp.plans import Plan, plan_through, sample_path
+from jaxsusp.problem import Problem, require_plannable, stack_problems
 from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.search import SEARCHES
 from jaxsusp.trajectory.gentle import gently
+from jaxsusp.vec3 import Vec3
 from jaxsusp.verify.simulation import simulate
-from jaxsusp.world import build_world, rounded_counts
+from jaxsusp.world import World, build_world, cast_world, rounded_counts
 
 SEARCH = SEARCHES[0]
 """Rule that keeps waypoints inside unless another is asked for."""
@@ -85,7 +89,7 @@ def plan(
     coordination: str = "alternation",
     progress: Callable[[Event], None] = lambda event: None,
 ) -> Plan:
-    """Plan a task with cable-driven load and fixed ends, and verify it on the real curve.
+    """Plan a task, and verify it on the real curve.
 
     The winners of the search are refined locally, laid on a smooth path, driven from rest to rest
     and checked against all of Eq. 22 and in continuous time. Where none of them stands, the
@@ -97,7 +101,9 @@ def plan(
     Args:
         scenario: the task, or its name or file.
         algorithm: what searches, a name or an optimiser.
-        ends: "given" keeps the scenario's ends, "placed" optimises them.
+        ends: "given" keeps the scenario's ends, or moves them by the plain rule of its drive mode;
+            "placed" optimises where they stay, or chooses their way by least variance (Eq. 20)
+            around the plain rule so that the cables keep clear of what the load passes.
         runs: independent runs per batch.
         iterations: iterations per run.
         retries: further attempts where the first gives no feasible plan.
@@ -118,7 +124,7 @@ def plan(
     """
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario)
-    require_cable_driven(scenario)
+    require_plannable(scenario)
     counts = (
         ("runs", runs, 1), ("iterations", iterations, 1), ("population", population, 1),
         ("waypoints", waypoints, 1), ("samples", samples, 3), ("retries", retries, 0),
@@ -130,8 +136,9 @@ def plan(
     require_known("coordination", coordination, COORDINATIONS)
     require_known("search", search, SEARCHES)
     require(
-        coordination == "alternation" or ends == "placed",
-        'coordination = "joint" places the ends; give ends = "placed" with it',
+        coordination == "alternation" or (ends == "placed" and not moving(scenario.drive)),
+        'coordination = "joint" places ends that stay; give ends = "placed" and drive = "cable" '
+        "with it",
     )
     optimizer = algorithm_of(algorithm)
     require_possible(scenario, ends)
@@ -148,6 +155,8 @@ def plan(
             first = tally.take(runs)
             if ends == "given":
                 tries = _given(scenario, settings, attempt.waypoints, first)
+            elif moving(scenario.drive):
+                tries = _led(scenario, settings, attempt, first)
             elif coordination == "joint":
                 tries = _joint(scenario, settings, attempt.waypoints, first)
             else:
@@ -217,14 +226,33 @@ def _good(plan: Plan) -> bool:
 
 def _with_settings(plan: Plan, **settings: Any) -> Plan:
     """The plan with more of the settings it was found with."""
-    return dataclasses.replace(plan, settings={**plan.settings, **settings})
+    return replace(plan, settings={**plan.settings, **settings})
 
 
 def _given(scenario: Scenario, settings: _Settings, waypoints: int, first: int) -> Iterator[Plan]:
     """Plans with the scenario's own ends, best first, until one is feasible."""
-    ends = np.array([robot.end for robot in scenario.robots], np.float64)
     candidates = _search(scenario, settings, waypoints, first)
-    yield from _checked(scenario, settings, ((x, ends) for x in candidates))
+    yield from _checked(scenario, settings, ((x, None) for x in candidates))
+
+
+def _led(scenario: Scenario, settings: _Settings, attempt: _Attempt, first: int) -> Iterator[Plan]:
+    """Plans whose ends move out of the way: the load's path first, then the ends along it.
+
+    The load is planned as if its cables met nothing, in every other attempt also with cables that
+    follow the plain rule, and its ends are then led past what is left (Sect. 3.3).
+    """
+    with_cables = attempt.number % 2 == 1
+    candidates = _search(scenario, settings, attempt.waypoints, first, with_cables=with_cables)
+    settings.told("leading the ends")
+
+    def pairs() -> Iterator[tuple[np.ndarray, np.ndarray | None]]:
+        for x in candidates:
+            waypoints = np.asarray(x, np.float64).reshape(-1, 3)
+            path = sample_path(scenario, waypoints, settings.samples)
+            found = moving_ends(scenario, path, margin=MARGIN)
+            yield x, found.ends if found.feasible else None
+
+    yield from _checked(scenario, settings, pairs())
 
 
 def _joint(scenario: Scenario, settings: _Settings, waypoints: int, first: int) -> Iterator[Plan]:
@@ -249,11 +277,9 @@ def _alternating(
     low, high = scenario.limits.tension
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     held = static_tensions(scenario, task)
+    best: Plan | None = None
     if attempt.fresh_ends or not ((held >= low) & (held <= high)).all():
-        position = np.linspace(
-            task[0], task[1], settings.samples
-        )  # ends for the straight line come first
-        best = None
+        position = np.linspace(*task, settings.samples)  # ends for the straight line come first
     else:
         best = _first_good(_given(scenario, settings, attempt.waypoints, first))
         yield best
@@ -301,12 +327,10 @@ def _checked(scenario: Scenario, settings: _Settings, pairs) -> Iterator[Plan]:
     """Lay candidates on real curves and check them, until one is feasible."""
     settings.told("checking")
     for x, ends in pairs:
-        fitness = _fitness(scenario, x, ends, settings.samples)
-        found = plan_through(
-            scenario, np.asarray(x, np.float64).reshape(-1, 3), ends, settings.samples,
-            settings={"fitness": fitness},
-        )  # fmt: skip
-        found = _with_settings(found, tracked=found.feasible and _tracks(found))
+        waypoints = np.asarray(x, np.float64).reshape(-1, 3)
+        found = plan_through(scenario, waypoints, ends, settings.samples)
+        tracked = found.feasible and _tracks(found)
+        found = _with_settings(found, fitness=_fitness(scenario, found), tracked=tracked)
         yield found
         if _good(found):
             return
@@ -315,7 +339,7 @@ def _checked(scenario: Scenario, settings: _Settings, pairs) -> Iterator[Plan]:
 def _tracks(plan: Plan) -> bool:
     """Whether a load that swings stays with the plan: simulated, unless it hardly accelerates."""
     values = {each.name: each.value for each in plan.report}
-    gentle = values["tilt of the load"] <= GENTLE_TILT
+    gentle = values.get("tilt of the load", np.inf) <= GENTLE_TILT and not plan.rigging.moves
     taut = values["least tension"] >= GENTLE_TENSION
     return (gentle and taut) or not simulate(plan).problems(plan)
 
@@ -326,9 +350,12 @@ def _search(
     waypoints: int,
     first: int,
     known: Plan | None = None,
+    with_cables: bool = True,
 ) -> Float[np.ndarray, "candidates dim"]:
     """Waypoints that the search found, refined, best first; `known` joins the candidates."""
     problem = _problem(with_margins(scenario), settings, waypoints)
+    if not with_cables:
+        problem = problem.with_fitness(replace(problem.fitness, with_cables=False))
     settings.told("searching")
     extra = None
     if known is not None and len(known.waypoints) == waypoints:
@@ -381,12 +408,21 @@ def _evaluate(problem: Problem, x):
     return problem.evaluate(x)
 
 
-def _fitness(scenario: Scenario, x, ends: np.ndarray, samples: int) -> float:
-    """Eq. 21 in float64, without any margin."""
-    moved = with_ends_at(scenario, ends)
+def _fitness(scenario: Scenario, found: Plan) -> float:
+    """Eq. 21 of a plan in float64, without any margin."""
+    moved = scenario if found.rigging.moves else with_ends_at(scenario, found.ends)
+    x = found.waypoints.reshape(-1, 1)
     with jax.enable_x64(True):
-        problem = Problem.from_scenario(
-            moved, np.size(x) // 3, samples, "box", np.float64,
-            world=build_world(moved, rounded_counts(moved)),
-        )  # fmt: skip
-        return float(_evaluate(problem, np.asarray(x, np.float64).reshape(1, -1))[0])
+        world = cast_world(build_world(moved, rounded_counts(moved)), np.float64)
+        packed = np.moveaxis(found.end_path, 1, 0)
+        ends = Vec3.from_array(jnp.asarray(packed)) if found.rigging.moves else None
+        with_stability = moved.limits.stability > 0
+        structure = len(found.path), with_stability, moved.drive
+        return float(_terms(world, jnp.asarray(x), *structure, ends).total[0])
+
+
+@jax.jit(static_argnums=(2, 3, 4))
+def _terms(world: World, x, samples: int, with_stability: bool, drive: str, ends: Vec3 | None):
+    if ends is not None:
+        ends = ends.each(lambda c: c[..., None])  # a batch of one candidate
+    return fitness_terms(world, x, samples, with_stability, drive, ends=ends)

@@ -15,19 +15,17 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float
-from jaxsusp.coordination.arms import Posture, build_robots, postures
+from jaxsusp.coordination.rigging import Rigging, ends_beside
 from jaxsusp.errors import InputError, require, require_count
-from jaxsusp.mechanics import arm
-from jaxsusp.problem import require_hook_with_three_cables
+from jaxsusp.loads import Loads
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.mechanics.load import angles
+from jaxsusp.problem import require_plannable
 from jaxsusp.scenario import Scenario
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
 from jaxsusp.verify.certificate import Certificate, certify
-from jaxsusp.verify.limits import Check, cable_loads, constraint_report, with_ends
-from jaxsusp.world import build_world, rounded_counts
-
-DENSE = 4
-"""Instants per sample at which arms are checked for the choice of their elbows."""
+from jaxsusp.verify.limits import TURN, Check, constraint_report
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +41,7 @@ class Plan:
     reasons: tuple[str, ...]
     waypoints: Float[np.ndarray, "waypoints xyz"]
     path: Float[np.ndarray, "points xyz"]  # Makima samples that the smooth path goes through
-    ends: Float[np.ndarray, "cables xyz"]
+    end_path: Float[np.ndarray, "rows cables xyz"]  # ends beside `path`; one row if they stay
     times: Float[np.ndarray, "samples"]
     position: Float[np.ndarray, "samples xyz"]
     velocity: Float[np.ndarray, "samples xyz"]
@@ -51,6 +49,8 @@ class Plan:
     jerk: Float[np.ndarray, "samples xyz"]
     lengths: Float[np.ndarray, "samples cables"]
     tensions: Float[np.ndarray, "samples cables"]  # with inertia
+    angles: Float[np.ndarray, "samples 3"]  # α1, α2, α3 of the load (spec §1), rad
+    ends: Float[np.ndarray, "*samples cables xyz"]  # (K, 3) where they stay, else (n, K, 3)
     joints: Float[np.ndarray, "samples cables joints"]
     report: tuple[Check, ...]
     certificate: Certificate
@@ -61,15 +61,22 @@ class Plan:
         """The motion at any time."""
         return TimeLaw.through(self.path, self.scenario.task.duration)
 
+    @cached_property
+    def rigging(self) -> Rigging:
+        """Ends, arms and loads anywhere along the path."""
+        return Rigging(self.scenario, self.law, self.end_path, self.joints[0, :, 2] >= 0)
+
     def at(self, times: Float[Array, "times"]) -> Motion:
         """Position, velocity, acceleration and jerk at any times (s)."""
         return self.law.at(np.asarray(times, np.float64))
 
-    def cables_at(self, times: Float[Array, "times"]) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths (m) and tensions with inertia (N) at any times (s), each (times, K)."""
-        motion = self.at(times)
-        loads = cable_loads(self.scenario, self.ends, motion.position, motion.acceleration)
-        return loads.lengths, loads.tensions
+    def ends_at(self, times: Float[Array, "times"]) -> Float[np.ndarray, "times cables xyz"]:
+        """Upper cable ends at any times (s), m."""
+        return self.rigging.ends_at(self.law.parameter(np.asarray(times, np.float64)))
+
+    def loads_at(self, times: Float[Array, "times"]) -> Loads:
+        """Lengths, tensions with inertia, and the load's posture at any times (s)."""
+        return self.rigging.loads(np.asarray(times, np.float64))
 
     @property
     def clearance(self) -> float:
@@ -104,7 +111,8 @@ def plan_through(
     Args:
         scenario: the task.
         waypoints: (m, 3), positions of the load's centre between start and goal (m).
-        ends: (K, 3), upper cable ends (m); default the scenario's.
+        ends: upper cable ends (m): (K, 3), or (n, K, 3) beside the samples of the path in a drive
+            mode that moves them; default the scenario's, moved by the plain rule of its mode.
         samples: number n of samples of the path and of the plan.
         elbow_up: of every robot; default chosen, see `jaxsusp.coordination.arms`.
         settings: kept with the plan.
@@ -116,37 +124,33 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
-    require_cable_driven(scenario)
+    require_plannable(scenario)
     require_count("samples", samples, least=3)
     waypoints = _points("waypoints", waypoints)
-    given = [robot.end for robot in scenario.robots] if ends is None else ends
-    ends = _points("ends", given)
-    require(
-        len(ends) == len(scenario.robots),
-        f"ends: got {len(ends)} for {len(scenario.robots)} robots; give one per robot",
-    )
     require(len(waypoints) > 0, "waypoints: none given; give one or more")
     path = sample_path(scenario, waypoints, samples)
     law = TimeLaw.through(path, scenario.task.duration)
-    posture = hold(scenario, law, ends, samples, elbow_up)
-    certificate = certify(scenario, law, ends, posture.chains)
-    report = constraint_report(scenario, law, ends, posture.joints, certificate)
+    end_path = ends_beside(scenario, path) if ends is None else _end_path(scenario, ends, samples)
+    rigging = Rigging.of(scenario, law, end_path, elbow_up)
+    certificate = certify(rigging)
+    report = constraint_report(rigging, certificate)
     reasons = tuple(_reasons(report, certificate))
     times = np.linspace(0, scenario.task.duration, samples)
-    motion = law.at(times)
-    loads = cable_loads(scenario, ends, motion.position, motion.acceleration)
+    along, loads = rigging.ends_at(law.parameter(times)), rigging.loads(times)
     return Plan(
         scenario,
         not reasons,
         reasons,
         waypoints,
         path,
-        ends,
+        end_path,
         times,
-        *motion,
+        *law.at(times),
         loads.lengths,
         loads.tensions,
-        np.tile(posture.joints, (samples, 1, 1)),
+        _angles(loads.posture),
+        along if rigging.moves else end_path[0],
+        rigging.joints_at(along),
         report,
         certificate,
         dict(settings or {}),
@@ -163,31 +167,28 @@ def sample_path(scenario: Scenario, waypoints: np.ndarray, samples: int) -> np.n
 _makima = jax.jit(makima, static_argnums=1)
 
 
-def hold(scenario: Scenario, law: TimeLaw, ends, samples: int, elbow_up: Any = None) -> Posture:
-    """How the arms hold the ends while the load passes; host arrays."""
-    position = law.at(np.linspace(0, law.duration, DENSE * samples)).position
+def _end_path(scenario: Scenario, given: Any, samples: int) -> np.ndarray:
+    """Ends as rows beside the path, as many as the drive mode asks for."""
+    ends, count = np.array(given, np.float64), len(scenario.robots)
+    if not moving(scenario.drive):
+        shape, what = (count, 3), "give one per robot"
+    else:
+        shape = samples, count, 3
+        what = f'drive = "{scenario.drive}" moves them; give one per sample and robot'
+    if ends.shape != shape or not np.isfinite(ends).all():
+        raise InputError(
+            f"ends: got an array of shape {ends.shape} for {count} robots; {what}: finite numbers "
+            f"of shape {shape}, in m"
+        )
+    return ends.reshape(-1, count, 3)
+
+
+def _angles(posture: np.ndarray) -> np.ndarray:
     with jax.enable_x64(True):
-        ends = jnp.asarray(ends, jnp.float64)
-        world = with_ends(build_world(scenario, rounded_counts(scenario)), ends)
-        robots = build_robots(scenario)
-        posture = postures(world, robots, jnp.asarray(position), ends)
-        if elbow_up is None:
-            return Posture(*map(np.asarray, posture))
-        found = arm.inverse(robots.base, robots.links, ends)
-        up = jnp.asarray(elbow_up, bool)
-        joints = jnp.where(up[:, None], found.elbow_up, found.elbow_down)
-        chains = arm.chain(robots.base, robots.links, joints)
-        return Posture(np.asarray(joints), np.asarray(chains), np.asarray(posture.slack), up)
+        return np.asarray(_angles_of(jnp.asarray(posture)))
 
 
-def require_cable_driven(scenario: Scenario) -> None:
-    """Refuse what planning does not cover: ends that move, and other hangings."""
-    require_hook_with_three_cables(scenario)
-    require(
-        scenario.drive == "cable",
-        f'{scenario.name}: drive = "{scenario.drive}": planning moves the load by the lengths of '
-        'its cables; give drive = "cable"',
-    )
+_angles_of = jax.jit(jax.vmap(angles))
 
 
 def _points(name: str, given: Any) -> np.ndarray:
@@ -203,7 +204,9 @@ def _points(name: str, given: Any) -> np.ndarray:
 def _reasons(report: tuple[Check, ...], certificate: Certificate) -> list[str]:
     """What is wrong: limits, and the first time at which each pair comes too close."""
     found = [
-        each.reason for each in report if not each.ok and not each.name.startswith("distance of")
+        f"level is no equilibrium: {each.reason}" if each.name == TURN else each.reason
+        for each in report
+        if not each.ok and not each.name.startswith("distance of")
     ]
     for contact in certificate.contacts:
         one, other = contact.bodies

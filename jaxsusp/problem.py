@@ -34,11 +34,13 @@ class Suspension:
     samples: int = field(metadata={"static": True})
     with_stability: bool = field(metadata={"static": True})
     drive: str = field(default="cable", metadata={"static": True})
+    with_cables: bool = field(default=True, metadata={"static": True})
 
     def terms(self, x: Float[Array, "dim *batch"]) -> FitnessTerms:
         """All terms of Eq. 21 in the dtype of x; trailing axes of x are batch."""
         world = cast_world(self.world, x.dtype)
-        return fitness_terms(world, x, self.samples, self.with_stability, self.drive)
+        structure = self.samples, self.with_stability, self.drive, self.with_cables
+        return fitness_terms(world, x, *structure)
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """Total fitness of one decision vector."""
@@ -215,6 +217,10 @@ class Problem:
         inside = jnp.clip(x, self.low, self.high)
         return inside if self.regions is None else _population_repair(self.regions, inside)
 
+    def with_fitness(self, fitness: Callable[[Array], Array]) -> "Problem":
+        """The same bounds, regions and reference with another fitness, a callable pytree."""
+        return _unflatten(None, (fitness, self.lower, self.upper, self.reference, self.regions))
+
     def with_padded_regions(self, count: int, rows: int) -> "Problem":
         """The same problem with so many regions of so many rows, some of which hold nothing."""
         assert self.regions is not None
@@ -309,18 +315,4 @@ def require_plannable(scenario: Scenario) -> None:
         raise InputError(
             f'{scenario.name}: drive = "{scenario.drive}" with separate payload.attachments '
             'cannot be planned; give drive = "cable", or attachments = "hook"'
-        )
-
-
-def require_hook_with_three_cables(scenario: Scenario) -> None:
-    """Refuse systems but three cables at one hook with fixed ends, where nothing else will do."""
-    if (
-        scenario.payload.attachments != "hook"
-        or len(scenario.robots) != 3
-        or scenario.drive != "cable"
-    ):
-        raise InputError(
-            f'{scenario.name}: plans need payload.attachments = "hook", three robots and '
-            f'drive = "cable", got {len(scenario.robots)} robots, drive = "{scenario.drive}" and '
-            f"attachments {scenario.payload.attachments!r}"
         )

@@ -12,7 +12,8 @@ import numpy as np
 
 from jaxsusp.mechanics import arm
 from jaxsusp.plans import Plan, plan_through
-from jaxsusp.verify.scene import Scene, fixed_bodies
+from jaxsusp.verify.company import KINDS, Company
+from jaxsusp.verify.scene import Scene
 from jaxsusp.verify.simulation import Simulation, simulate
 
 TOLERANCES = {
@@ -24,9 +25,15 @@ TOLERANCES = {
     "jerk": (1e-5, "m/s³"),
     "lengths": (1e-6, "m"),
     "tensions": (1e-4, "N"),
+    "angles": (1e-6, "rad"),
+    "ends": (1e-6, "m"),
     "joints": (1e-6, "rad"),
 }
 """How much each array may differ from what follows from waypoints and ends."""
+
+
+CABLES_TO_ARMS = KINDS.index("cables to arms")
+"""Pairs up to this kind are looked at where stored positions differ."""
 
 
 class Verification(NamedTuple):
@@ -48,8 +55,10 @@ def verify_plan(plan: Plan, simulation: bool | Simulation = True) -> Verificatio
     Returns:
         A `Verification`; `reasons` holds one sentence per fault, those of the motion first.
     """
-    elbow_up = plan.joints[0, :, 2] >= 0
-    anew = plan_through(plan.scenario, plan.waypoints, plan.ends, len(plan.path), elbow_up=elbow_up)
+    ends = plan.end_path if plan.rigging.moves else plan.end_path[0]
+    anew = plan_through(
+        plan.scenario, plan.waypoints, ends, len(plan.path), elbow_up=plan.rigging.elbow_up
+    )
     reasons = list(anew.reasons)
     for name in TOLERANCES:
         reasons += _differences(plan, anew, name)
@@ -83,9 +92,9 @@ def _differences(plan: Plan, anew: Plan, name: str) -> list[str]:
     if name == "lengths":
         found += _broken(plan, stored, "length", plan.scenario.limits.cable_length, "m")
     if name in ("position", "path"):
-        found += _contacts(plan, anew, stored)
+        found += _contacts(anew, stored, anew.ends if name == "position" else anew.end_path)
     if name == "joints":
-        found += _misses(plan)
+        found += _misses(plan, anew)
     return found
 
 
@@ -103,47 +112,40 @@ def _broken(plan: Plan, values: np.ndarray, what: str, limits, unit: str) -> lis
     ]
 
 
-def _contacts(plan: Plan, anew: Plan, positions: np.ndarray) -> list[str]:
-    """What load and cables are too close to at stored positions."""
-    scenario = plan.scenario
-    with jax.enable_x64(True):
-        base = jnp.array([robot.base for robot in scenario.robots])
-        links = jnp.array([robot.links for robot in scenario.robots])
-        chains = np.asarray(arm.chain(base, links, jnp.asarray(anew.joints[0])))
-    bodies = fixed_bodies(scenario, chains)
-    scene, gap = Scene(scenario, bodies, len(plan.ends)), scenario.limits.clearance
-    hook = np.array([0.0, 0.0, scenario.payload.height / 2])
+def _contacts(anew: Plan, positions: np.ndarray, ends: np.ndarray) -> list[str]:
+    """What load and cables are too close to at stored positions, ends where they belong."""
+    company = Company(anew.rigging)
+    scene = Scene(company.bodies)
+    shape = len(positions), anew.rigging.cables, 3
+    points = company.locate(positions, np.broadcast_to(ends, shape))
     found: dict[str, str] = {}
-    for row, center in enumerate(positions):
-        scene.place_load(center)
-        for k, end in enumerate(plan.ends):
-            scene.place_cable(k, center + hook, end)
-        for index, body in enumerate(bodies):
-            for moving in range(len(plan.ends) + 1):
-                if body.robot >= 0 and body.robot == moving - 1 and body.part == 2:
-                    continue
-                distance, _ = scene.distance(index, scene.load + moving)
-                if distance < gap - 1e-6:
-                    name = f"cable {moving}" if moving else "load"
-                    text = "touches" if distance <= 0 else f"is {distance:.4g} m from"
-                    found.setdefault(
-                        f"{name} {body.name}", f"stored row {row}: {name} {text} {body.name}"
-                    )
+    for row, places in enumerate(points):
+        for index, body in enumerate(company.bodies):
+            scene.place(index, places[body.first], places[body.second])
+        for pair in company.pairs:
+            if pair.kind > CABLES_TO_ARMS:
+                continue
+            distance, _ = scene.distance(pair.other, pair.one)
+            if distance < pair.required - 1e-6:
+                one, other = company.bodies[pair.one].name, company.bodies[pair.other].name
+                text = "touches" if distance <= 0 else f"is {distance:.4g} m from"
+                found.setdefault(f"{one} {other}", f"stored row {row}: {one} {text} {other}")
     return list(found.values())
 
 
-def _misses(plan: Plan) -> list[str]:
+def _misses(plan: Plan, anew: Plan) -> list[str]:
     """Arms whose stored joint angles do not lead to their ends."""
+    ends, rigging = np.broadcast_to(anew.ends, anew.joints.shape), anew.rigging
     found = []
     with jax.enable_x64(True):
-        for k, robot in enumerate(plan.scenario.robots):
-            base, links = jnp.array(robot.base), jnp.array(robot.links)
-            held = np.asarray(arm.forward(base, links, jnp.asarray(plan.joints[:, k])))
-            off = np.linalg.norm(held - plan.ends[k], axis=-1)
-            row = int(np.where(np.isnan(off), np.inf, off).argmax())
-            if not off[row] <= 1e-6:
-                found.append(
-                    f"joint angles of robot {k + 1} hold its end {off[row]:.4g} m away from where "
-                    f"it has to be at {plan.times[row]:.2f} s"
-                )
+        bases, links = jnp.asarray(rigging.bases_at(ends)), jnp.asarray(rigging.links)[None]
+        held = np.asarray(arm.forward(bases, links, jnp.asarray(plan.joints)))
+    off = np.linalg.norm(held - ends, axis=-1)
+    for k in range(rigging.cables):
+        row = int(np.where(np.isnan(off[:, k]), np.inf, off[:, k]).argmax())
+        if not off[row, k] <= 1e-6:
+            found.append(
+                f"joint angles of robot {k + 1} hold its end {off[row, k]:.4g} m away from where "
+                f"it has to be at {plan.times[row]:.2f} s"
+            )
     return found

@@ -131,6 +131,14 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
     )
 
 
+def attachments_of(scenario: "Scenario") -> Float[np.ndarray, "cables xyz"]:
+    """Lower cable ends relative to the load's centre, one row per cable (m)."""
+    payload, cables = scenario.payload, len(scenario.robots)
+    if payload.attachments == "hook":
+        return np.tile([0.0, 0.0, payload.height / 2], (cables, 1))
+    return np.array(payload.attachments, np.float64)
+
+
 def warning_shape(scenario: "Scenario") -> Shape:
     """Payload and cables as planning sees them, before clearance.
 

@@ -46,7 +46,7 @@ def test_a_plan_loads_back_exactly(plan, file):
 
 def test_the_file_is_plain_json_with_units_in_its_names(file):
     document = json.loads(file.read_text(), parse_constant=lambda word: pytest.fail(word))
-    assert document["schema"] == 1
+    assert document["schema"] == 2
     assert {name for name, _ in ARRAYS.values()} <= set(document)
 
 
@@ -74,7 +74,7 @@ def test_a_truncated_file_is_refused(file, share):
 
 
 def test_a_newer_version_is_refused_as_such(file):
-    rewrite(file, lambda document: document.update(schema=2, wings=[1, 2]))
+    rewrite(file, lambda document: document.update(schema=3, wings=[1, 2]))
     with pytest.raises(js.InputError, match="newer version"):
         js.load_plan(file)
 

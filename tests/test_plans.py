@@ -54,7 +54,7 @@ def test_the_report_has_every_limit_of_eq_22(plan):
     }  # fmt: skip
     assert limit(plan, "ultimate tension T_lim").high == 150
     assert limit(plan, "greatest tension").margin == pytest.approx(
-        100 - plan.cables_at(np.linspace(0, 40, 2001))[1].max()
+        100 - plan.loads_at(np.linspace(0, 40, 2001)).tensions.max()
     )
 
 

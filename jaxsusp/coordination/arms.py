@@ -78,6 +78,34 @@ def choose_postures(
         position: the load's centre at samples along axis 0 (m).
         ends: P_k (m).
     """
+    joints, chains, slack = _branches(world, robots, position, ends)
+    up = _prefer(slack)
+    return Posture(
+        jnp.where(up[:, None], *joints),
+        jnp.where(up[:, None, None], *chains),
+        jnp.where(up, *slack),
+        up,
+    )
+
+
+def choose_elbows(
+    world: World,
+    robots: Robots,
+    position: Float[Array, "samples xyz"],
+    ends: Float[Array, "samples cables xyz"],
+    bases: Float[Array, "samples cables xyz"],
+) -> Bool[Array, "cables"]:
+    """Elbow up or down of arms that move, one choice per robot for the whole motion."""
+
+    def at(where: Array, end: Array, base: Array) -> Array:
+        still = Vec3.from_array(where[None])
+        return _branches(world, robots._replace(base=base), still, end)[2]
+
+    return _prefer(jax.vmap(at)(position, ends, bases).min(axis=0))
+
+
+def _branches(world: World, robots: Robots, position: Vec3, ends) -> tuple[Array, Array, Array]:
+    """Joints, chains and slack with elbows up, then down; -1 where a joint limit forbids it."""
     solution = arm.inverse(robots.base, robots.links, ends)
     joints = jnp.stack([solution.elbow_up, solution.elbow_down])
     chains = jax.vmap(arm.chain, in_axes=(None, None, 0))(robots.base, robots.links, joints)
@@ -85,14 +113,11 @@ def choose_postures(
         world, robots, position, ends, chains
     )
     allowed = (joints >= robots.joint_low[None]) & (joints <= robots.joint_high[None])
-    slack = jnp.where(allowed.all(axis=-1), slack, -1)
-    up = jnp.logical_or(slack[0] >= 0, slack[0] >= slack[1])
-    return Posture(
-        jnp.where(up[:, None], *joints),
-        jnp.where(up[:, None, None], *chains),
-        jnp.where(up, *slack),
-        up,
-    )
+    return joints, chains, jnp.where(allowed.all(axis=-1), slack, -1)
+
+
+def _prefer(slack: Float[Array, "elbows=2 cables"]) -> Bool[Array, "cables"]:
+    return jnp.logical_or(slack[0] >= 0, slack[0] >= slack[1])
 
 
 def separation_slack(robots: Robots, chains: Float[Array, "cables points=4 xyz"]) -> Array:
@@ -179,9 +204,3 @@ def _lead(vector: Vec3, axes: int) -> Vec3:
 
 def _leading_axes(kind, axes: int):
     return jax.tree.map(lambda leaf: jnp.asarray(leaf).reshape(*(1,) * axes, -1), kind)
-
-
-@jax.jit
-def postures(world: World, robots: Robots, position, ends) -> Posture:
-    """`choose_postures` compiled, for positions (n, 3)."""
-    return choose_postures(world, robots, Vec3.from_array(position), ends)

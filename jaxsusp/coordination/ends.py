@@ -16,15 +16,22 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.batch import run_batch
-from jaxsusp.constraints import count_violations
+from jaxsusp.constraints import count_turned, count_violations
 from jaxsusp.coordination.arms import Robots, build_robots, choose_postures, separation_slack
 from jaxsusp.errors import InputError, require_count, require_seed
-from jaxsusp.fitness import fitness_terms, tension_length_rate, tensions_at
+from jaxsusp.fitness import (
+    fitness_terms,
+    tension_length_rate,
+    tensions_at,
+    trajectory,
+    turn_at,
+)
 from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
-from jaxsusp.problem import Problem, require_hook_with_three_cables, stack_problems
+from jaxsusp.problem import Problem, require_plannable, stack_problems
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import World, build_world, cast_world, rounded_counts
@@ -65,11 +72,13 @@ class EndFitness:
         position = Vec3.from_array(jnp.asarray(self.position, x.dtype))
         lengths, tensions = tensions_at(world, position)
         interval = world.duration / (len(self.position) - 1)
-        counts = (
+        counts = [
             count_collisions(position, world.bodies, world.obstacles),
             count_violations(world, position, lengths, tensions, with_stability=True),
             arm_faults(world, robots, position, ends),
-        )
+        ]
+        if len(world.bodies.attachments.x) > 1:
+            counts.append(count_turned(world, turn_at(world, position, tensions)))
         faults = jnp.stack([count.astype(jnp.int32) for count in counts]).sum()
         cable = jnp.stack([length.max() for length in lengths]).sum()
         rate = tension_length_rate(lengths, tensions, interval)
@@ -92,8 +101,6 @@ class JointFitness:
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """All terms of Eq. 21 for these ends, and κ per arm that is in the way."""
-        from jaxsusp.fitness import trajectory
-
         world, robots = cast_world(self.world, x.dtype), _cast(self.robots, x.dtype)
         waypoints, placed = self.split(x)
         ends = decode(robots, placed)
@@ -165,6 +172,16 @@ def end_bounds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
     return np.append(low, center - far), np.append(high, center + far)
 
 
+def require_placeable(scenario: Scenario) -> None:
+    """Refuse systems whose ends do not stay where they are placed."""
+    require_plannable(scenario)
+    if moving(scenario.drive):
+        raise InputError(
+            f'{scenario.name}: drive = "{scenario.drive}" moves the ends along with the load; '
+            'give drive = "cable" to place them once, or let `moving_ends` choose their way'
+        )
+
+
 class Placement(NamedTuple):
     """Where the ends went, and what it is worth (float64)."""
 
@@ -202,9 +219,9 @@ def place_ends(
         A `Placement`; `faults` is 0 where every constraint is kept.
 
     Raises:
-        InputError: bad settings, or robots that share no height.
+        InputError: bad settings, a drive mode that moves the ends, or robots that share no height.
     """
-    require_hook_with_three_cables(scenario)
+    require_placeable(scenario)
     for name, value in (("runs", runs), ("iterations", iterations), ("population", population)):
         require_count(name, value)
     require_seed(seed)
@@ -230,7 +247,7 @@ def end_problem(scenario: Scenario, position) -> Problem:
 
 def joint_problem(scenario: Scenario, waypoints: int = 5, samples: int = 40) -> Problem:
     """Waypoints and ends as one problem, D = 3m + 2K + 1, in float32."""
-    require_hook_with_three_cables(scenario)
+    require_placeable(scenario)
     load = Problem.from_scenario(scenario, waypoints, samples, "box", dtype=np.float32)
     lower, upper = (bound.astype(np.float32) for bound in end_bounds(scenario))
     world = build_world(scenario, rounded_counts(scenario))

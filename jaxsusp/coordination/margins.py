@@ -7,10 +7,11 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.feasibility import static_tensions
+from jaxsusp.fitness import ends_at
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world, rounded_counts
+from jaxsusp.world import World, build_world, rounded_counts
 
 MARGIN = 0.015
 """m; the search keeps so much more than the clearance asked for, as far as start and goal allow:
@@ -61,7 +62,10 @@ def _in_contact(scenario: Scenario) -> bool:
     world = jax.tree.map(lambda leaf: leaf if leaf.dtype == bool else np.float32(leaf), world)
     places = zip(world.start, world.goal, strict=True)
     still = [Vec3(*(np.array([c, c]) for c in place)) for place in zip(*places, strict=True)]
-    return any(int(_count(place, world.bodies, world.obstacles)) > 0 for place in still)
+    return any(int(_count(world, place, scenario.drive)) > 0 for place in still)
 
 
-_count = jax.jit(count_collisions)
+@jax.jit(static_argnames="drive")
+def _count(world: World, position: Vec3, drive: str):
+    bodies = world.bodies._replace(ends=ends_at(world, position, drive))
+    return count_collisions(position, bodies, world.obstacles)

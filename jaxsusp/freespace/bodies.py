@@ -24,7 +24,7 @@ from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
 from jaxsusp.geometry.meshes import bounding_box, hull_points
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario import Scenario
-from jaxsusp.world import warning_shape
+from jaxsusp.world import attachments_of, warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
@@ -88,14 +88,6 @@ def _below(ends: Points) -> HalfSpaces:
     hull = ConvexHull(np.concatenate([ends, deep])).equations
     hull = np.unique(hull[hull[:, 2] > -1e-9].round(12), axis=0)  # all faces but the bottom
     return HalfSpaces(hull[:, :3], -hull[:, 3])
-
-
-def attachments_of(scenario: Scenario) -> Points:
-    """Lower cable ends relative to the load's centre, one row per cable (m)."""
-    payload, cables = scenario.payload, len(scenario.robots)
-    if payload.attachments == "hook":
-        return np.tile([0.0, 0.0, payload.height / 2], (cables, 1))
-    return np.array(payload.attachments, np.float64)
 
 
 def _shadows(scenario: Scenario, body: Body) -> Iterator[Body]:

@@ -41,8 +41,9 @@ def kinematics(plan: Plan) -> Figure:
 def cables(plan: Plan) -> Figure:
     """Length and tension of every cable with their limits (Fig. 10)."""
     times = np.linspace(0, plan.law.duration, INSTANTS)
-    lengths, tensions = plan.cables_at(times)
-    limits, count = plan.scenario.limits, len(plan.ends)
+    loads = plan.loads_at(times)
+    lengths, tensions = loads.lengths, loads.tensions
+    limits, count = plan.scenario.limits, plan.rigging.cables
     figure = picture(3.9 * count, 6.0)
     grid = figure.subplots(2, count, sharex=True, sharey="row", squeeze=False)
     rows = (

@@ -5,15 +5,13 @@ the load swing and the tensions depart from the plan. The price is on the centri
 that the minimum-jerk law would give at the samples.
 """
 
-import copy
 from dataclasses import dataclass, field
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
-from jaxsusp.fitness import curvature, tensions_at, trajectory
+from jaxsusp.fitness import curvature, ends_at, tensions_at, trajectory
 from jaxsusp.problem import Problem, Suspension
 from jaxsusp.vec3 import Vec3, norm
 from jaxsusp.world import cast_world
@@ -43,7 +41,8 @@ class Gentle:
         """Total of many decision vectors."""
         world = cast_world(self.suspension.world, x.dtype)
         position = trajectory(world, x.T, self.suspension.samples)
-        tensions = jnp.stack(tensions_at(world, position)[1]).min(axis=0)[1:-1]
+        ends = ends_at(world, position, self.suspension.drive)
+        tensions = jnp.stack(tensions_at(world, position, ends)[1]).min(axis=0)[1:-1]
         free = jnp.clip(self.slack_share * tensions / world.mass, 0.1 * self.turn, self.turn)
         excess = turning(position, world.duration) / free - 1
         cost = self.price * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
@@ -73,6 +72,4 @@ def gently(problem: Problem) -> Problem:
     """The same problem with a price on hard turns; other problems as they are."""
     if not isinstance(problem.fitness, Suspension):
         return problem
-    changed: Any = copy.copy(problem)
-    changed.fitness = Gentle(problem.fitness)
-    return changed
+    return problem.with_fitness(Gentle(problem.fitness))

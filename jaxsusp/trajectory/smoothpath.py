@@ -21,11 +21,48 @@ _PIECES = 32
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
+class Spline:
+    """A quintic spline v(u) through values at knots u, with proven bounds of its derivatives.
+
+    The third and fourth derivative vanish at both ends (the natural quintic spline).
+
+    Args:
+        u: knots, at least four, increasing (m).
+        values: (knots, components).
+    """
+
+    def __init__(self, u: Float[np.ndarray, "knots"], values: Float[np.ndarray, "knots parts"]):
+        still = [(order, np.zeros(values.shape[1])) for order in (3, 4)]
+        self.u = u
+        self.curve: BSpline = make_interp_spline(u, values, k=5, bc_type=(still, still))
+        first = self.curve.derivative()
+        second = first.derivative()
+        self.derivatives = first, second, second.derivative()
+
+    @cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Greatest |v'| and |v''| over spans i … j, as matrices [i, j]."""
+        speed, bend = self.derivatives[:2]
+        return (
+            _running_maximum(_bernstein_bound(speed, self.u, degree=4)),
+            _running_maximum(_bernstein_bound(bend, self.u, degree=3)),
+        )
+
+    def bounds(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Proven upper bounds of |v'| and |v''| over parameter intervals.
+
+        On a span of the spline a derivative is a polynomial, and its values lie in the convex
+        hull of its Bernstein coefficients.
+        """
+        first = np.clip(np.searchsorted(self.u, low, side="right") - 1, 0, len(self.u) - 2)
+        last = np.clip(np.searchsorted(self.u, high, side="left") - 1, first, len(self.u) - 2)
+        speed, bend = self._bounds
+        return speed[first, last], bend[first, last]
+
+
 @dataclass(frozen=True, eq=False)
 class SmoothPath:
     """A quintic spline p(u) through given points; u is the length along their chords (m).
-
-    The third and fourth derivative vanish at both ends (the natural quintic spline).
 
     Args:
         points: positions (m), in order. Consecutive points that coincide count once.
@@ -41,47 +78,55 @@ class SmoothPath:
         require(bool(np.isfinite(self.points).all()), "a point of the path is not finite")
 
     @cached_property
-    def _chords(self) -> tuple[np.ndarray, np.ndarray]:
-        """Parameters and positions of the distinct points, at least four of them."""
+    def _knots(self) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters, at least four of them, and the (fractional) numbers of the points there."""
         points = np.asarray(self.points, np.float64)
         chord = np.linalg.norm(np.diff(points, axis=0), axis=1)
         moves = np.append(True, chord > 1e-9 * max(1.0, float(chord.sum())))
         u = np.append(0.0, np.cumsum(chord))[moves]
-        kept = points[moves]
-        kept[-1] = points[-1]
+        number = np.flatnonzero(moves).astype(np.float64)
+        number[-1] = len(points) - 1
         if len(u) == 1:  # a path that stays where it is
-            u, kept = np.array([0.0, 1.0]), points[[0, 0]]
+            u, number = np.array([0.0, 1.0]), np.array([0.0, 0.0])
         while len(u) < 4:  # the natural quintic spline needs four
             halves = np.linspace(0, len(u) - 1, 2 * len(u) - 1)
             rows = np.arange(len(u))
-            kept = np.stack([np.interp(halves, rows, axis) for axis in kept.T], axis=1)
-            u = np.interp(halves, rows, u)
-        return u, kept
+            number, u = np.interp(halves, rows, number), np.interp(halves, rows, u)
+        return u, number
+
+    def beside(self, rows: Float[np.ndarray, "samples *parts"]) -> Spline:
+        """A spline in this path's parameter, through one row of values per point."""
+        u, number = self._knots
+        flat = np.asarray(rows, np.float64).reshape(len(rows), -1)
+        below, share = np.floor(number).astype(int), (number % 1)[:, None]
+        above = np.minimum(below + 1, len(flat) - 1)
+        return Spline(u, (1 - share) * flat[below] + share * flat[above])
 
     @cached_property
+    def spline(self) -> Spline:
+        """The curve with its bounds."""
+        return self.beside(self.points)
+
+    @property
     def curve(self) -> BSpline:
-        """The spline itself."""
-        u, points = self._chords
-        still = [(3, np.zeros(3)), (4, np.zeros(3))]
-        return make_interp_spline(u, points, k=5, bc_type=(still, still))
+        """The curve itself."""
+        return self.spline.curve
 
-    @cached_property
+    @property
     def derivatives(self) -> tuple[BSpline, BSpline, BSpline]:
         """p', p'' and p''' with respect to u."""
-        first = self.curve.derivative()
-        second = first.derivative()
-        return first, second, second.derivative()
+        return self.spline.derivatives
 
     @property
     def span(self) -> tuple[float, float]:
         """First and last parameter."""
-        u = self._chords[0]
+        u = self._knots[0]
         return float(u[0]), float(u[-1])
 
     @cached_property
     def _table(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Parameters, arc lengths up to them, and speeds |p'| there."""
-        u = self._chords[0]
+        u = self._knots[0]
         parts = np.linspace(u[:-1], u[1:], _PIECES, endpoint=False, axis=1).ravel()
         nodes = np.append(parts, u[-1])
         middle, half = (nodes[1:] + nodes[:-1]) / 2, np.diff(nodes) / 2
@@ -109,27 +154,6 @@ class SmoothPath:
         u = np.clip(self._inverse(arc), *self.span)
         speed = np.maximum(np.linalg.norm(self.derivatives[0](u), axis=-1), 1e-9)
         return np.clip(u + (arc - self.arc(u)) / speed, *self.span)  # one Newton step
-
-    @cached_property
-    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Greatest |p'| and |p''| over spans i … j, as matrices [i, j]."""
-        u, speed, bend = self._chords[0], *self.derivatives[:2]
-        return (
-            _running_maximum(_bernstein_bound(speed, u, degree=4)),
-            _running_maximum(_bernstein_bound(bend, u, degree=3)),
-        )
-
-    def bounds(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Proven upper bounds of |p'| and |p''| over parameter intervals.
-
-        On a span of the spline a derivative is a polynomial, and its values lie in the convex
-        hull of its Bernstein coefficients.
-        """
-        u = self._chords[0]
-        first = np.clip(np.searchsorted(u, low, side="right") - 1, 0, len(u) - 2)
-        last = np.clip(np.searchsorted(u, high, side="left") - 1, first, len(u) - 2)
-        speed, bend = self._bounds
-        return speed[first, last], bend[first, last]
 
 
 def _bernstein_bound(curve: BSpline, knots: np.ndarray, degree: int) -> np.ndarray:

@@ -64,9 +64,8 @@ class TimeLaw:
         """
         share = np.clip(np.asarray(times, np.float64) / self.duration, 0, 1)
         moving = (share == times / self.duration).astype(np.float64)
-        arc, *rates = minimum_jerk(share)
-        length = self.path.length
-        u = self.path.parameter(length * arc)
+        _, *rates = minimum_jerk(share)
+        length, u = self.path.length, self.parameter(times)
         s1, s2, s3 = (
             moving * length * rate / self.duration ** (order + 1)
             for order, rate in enumerate(rates)
@@ -85,6 +84,11 @@ class TimeLaw:
             p1 * u2 + p2 * u1**2,
             p1 * u3 + 3 * p2 * u1 * u2 + p3 * u1**3,
         )
+
+    def parameter(self, times: Float[np.ndarray, "times"]) -> Float[np.ndarray, "times"]:
+        """Where on the path, by its parameter u, the load is at given times (s)."""
+        share = np.clip(np.asarray(times, np.float64) / self.duration, 0, 1)
+        return self.path.parameter(self.path.length * minimum_jerk(share)[0])
 
     @cached_property
     def _clock(self) -> tuple[np.ndarray, np.ndarray]:

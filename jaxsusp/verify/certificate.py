@@ -1,26 +1,24 @@
-"""A proof that load and cables stay clear at every instant of the real curve, or where they fail.
+"""A proof that load, cables and arms stay clear at every instant of the real curve.
 
 At one instant MuJoCo gives the distance of two bodies and the direction n of the nearest points.
-The plane with normal n that just touches the fixed body is then a proof that outlasts the instant:
-as long as the moving body stays on its other side the two cannot meet. How far that body can go
-towards the plane follows from proven bounds of the path's derivatives, and the fixed body's extent
-along n is a closed form, so the certificate rests on MuJoCo only for the choice of the plane.
-Parameter intervals for which the proof fails are halved until every one is proved or a parameter
-with too little clearance is found. Intervals that might hold a smaller clearance than the least
-found so far are halved as well: the least clearance is exact to `TOLERANCE` where nothing fails.
+A plane with normal n between the two is then a proof that outlasts the instant: as long as they
+stay on their sides of it they cannot meet. How far their points can go along n follows from proven
+bounds of the splines' derivatives, and how far bodies extend beyond their points is a closed form,
+so the certificate rests on MuJoCo only for the choice of the direction. Parameter intervals for
+which the proof fails are halved until every one is proved or a parameter with too little clearance
+is found. Intervals that might hold a smaller clearance than the least found so far are halved as
+well: the least clearance is exact to `TOLERANCE` where nothing fails.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp._types import Array, Float
-from jaxsusp.scenario import Scenario
-from jaxsusp.trajectory.smoothpath import SmoothPath
-from jaxsusp.trajectory.timelaw import TimeLaw
-from jaxsusp.verify.scene import Fixed, Scene, fixed_bodies
+from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.verify.company import KINDS, Company
+from jaxsusp.verify.elbow import elbow_speed
+from jaxsusp.verify.scene import Scene
 
 TOLERANCE = 1e-4
 """m; how exact the least clearances are."""
@@ -28,25 +26,9 @@ TOLERANCE = 1e-4
 ROUNDING = 1e-6
 """m; how far below the required clearance a distance may be, above MuJoCo's own error."""
 
-NEAR_HOOK = 0.1
-"""Share of a cable's length, from its lower end, that is not checked against other cables: there
-they come together by construction."""
-
 _COARSE = 2e-3  # m; how exact the least distance of a pair that fails has to be
 _NARROW = 1e-5  # m of the parameter; an interval that short without a proof is a failure
 _MOST = 400_000  # distances, beyond which a proof is given up
-
-KINDS = (
-    "load to obstacles",
-    "cables to obstacles",
-    "load to arms",
-    "cables to arms",
-    "cables to each other",
-    "arms to obstacles",
-    "arms to each other",
-    "ends to each other",
-)
-"""What is measured, in the order of the report; the first five move."""
 
 
 class Clearance(NamedTuple):
@@ -84,23 +66,8 @@ class Certificate:
     distances: int  # how many were computed
 
 
-class _Pairs(NamedTuple):
-    """Moving pairs, one row each: a body (0 load, k + 1 cable) against a fixed body or a cable."""
-
-    body: np.ndarray
-    other: np.ndarray  # index of the fixed body, or of the other cable where kind is 4
-    kind: np.ndarray
-    required: np.ndarray
-
-
-def certify(
-    scenario: Scenario,
-    law: TimeLaw,
-    ends: Float[Array, "cables xyz"],
-    chains: Float[Array, "cables points=4 xyz"],
-    first_only: bool = False,
-) -> Certificate:
-    """Check load, cables and arms of a plan with fixed ends along its real curve.
+def certify(rigging: Rigging, first_only: bool = False) -> Certificate:
+    """Check load, cables and arms of a plan along its real curve.
 
     Required are the warning distance ϑ between load, cables, arms and obstacles, and between load
     or cables and arms; `limits.separation` between arms and ends of different robots; and that
@@ -108,95 +75,62 @@ def certify(
     its own arm; it begins at the end of the lower one.
 
     Args:
-        scenario: obstacles, sizes and distances required.
-        law: the curve of the load's centre and when it is where.
-        ends: upper cable ends P_k (m).
-        chains: foot, shoulder, elbow and end of every robot (m).
+        rigging: the load's curve, with ends and arms.
         first_only: stop at the first failure that is found, for a planner that only wants to know.
 
     Returns:
         A `Certificate`.
     """
-    ends = np.asarray(ends, np.float64)
-    bodies = fixed_bodies(scenario, chains)
-    scene = Scene(scenario, bodies, len(ends))
-    still = _standing(scenario, scene, bodies, ends)
-    search = _Search(scenario, law, ends, bodies, scene, first_only)
-    if not (first_only and any(each.slack < -ROUNDING for each in still)):
-        search.run()
-    contacts = [
-        Contact(0.0, each.bodies, each.value, each.required, each.value)
-        for each in still
-        if each.slack < -ROUNDING
-    ]
-    contacts = sorted([*search.contacts(), *contacts], key=lambda contact: contact.time)
-    clearances = (*search.clearances(), *_least(still))
+    search = _Search(rigging, first_only)
+    search.run()
+    contacts = search.contacts()
     return Certificate(
-        not contacts and search.finished, clearances, tuple(contacts), search.distances
+        not contacts and search.finished,
+        tuple(search.clearances()),
+        tuple(sorted(contacts, key=lambda contact: contact.time)),
+        search.distances,
     )
-
-
-def _standing(
-    scenario: Scenario, scene: Scene, bodies: Sequence[Fixed], ends: np.ndarray
-) -> list[Clearance]:
-    """Distances between bodies that stand still."""
-    gap, apart = scenario.limits.clearance, scenario.limits.separation
-    found = []
-    for i, one in enumerate(bodies):
-        for j in range(i + 1, len(bodies)):
-            other = bodies[j]
-            if one.robot == other.robot:
-                continue
-            kind = 5 if one.robot < 0 else 6
-            value, _ = scene.distance(i, j)
-            required = apart if kind == 6 else gap
-            found.append(Clearance(KINDS[kind], value, required, 0.0, (other.name, one.name)))
-    for k in range(len(ends)):
-        for j in range(k):
-            value = float(np.linalg.norm(ends[k] - ends[j]))
-            names = f"end of robot {k + 1}", f"end of robot {j + 1}"
-            found.append(Clearance(KINDS[7], value, apart, 0.0, names))
-    return found
-
-
-def _least(still: list[Clearance]) -> list[Clearance]:
-    """The least of every kind of standing pair."""
-    nothing = [Clearance(kind, np.inf, 0.0, 0.0, ("", "")) for kind in KINDS[5:]]
-    return [
-        min([each for each in still if each.kind == none.kind] or [none], key=lambda c: c.value)
-        for none in nothing
-    ]
 
 
 class _Search:
     """Halving of parameter intervals, level by level over all pairs at once."""
 
-    def __init__(self, scenario, law, ends, bodies, scene, first_only):
-        self._path: SmoothPath = law.path
-        self._law: TimeLaw = law
-        self._ends: np.ndarray = ends
-        self._bodies: Sequence[Fixed] = bodies
-        self._scene: Scene = scene
+    def __init__(self, rigging: Rigging, first_only: bool):
+        self._rigging, self._path = rigging, rigging.law.path
+        self._company = Company(rigging)
+        self._bodies = self._company.bodies
+        self._scene = Scene(self._bodies)
         self._first_only: bool = first_only
-        self._hook = np.array([0.0, 0.0, scenario.payload.height / 2])
-        self._load = scenario.payload.radius, scenario.payload.height / 2
-        self._cable = scenario.limits.cable_radius
-        self._pairs = _moving_pairs(scenario, bodies, len(ends))
-        count = len(self._pairs.body)
+        columns = np.array([each[:3] for each in self._company.pairs], int).T
+        self._one, self._other, self._kind = columns
+        self._required = np.array([each.required for each in self._company.pairs])
+        spans = np.array([(body.first, body.second) for body in self._bodies])
+        self._span_one, self._span_other = spans[self._one], spans[self._other]
+        moves = self._company.moves
+        self._moving = moves[self._span_one].any(axis=1) | moves[self._span_other].any(axis=1)
+        self._placed = {i for i, span in enumerate(spans) if not moves[span].any()}
+        self._place_what_stands(spans)
+        count = len(self._one)
         self._first = np.full(count, np.inf)  # parameter of the first failure of every pair
         self._first_value = np.full(count, np.nan)
         self._least = np.full(count, np.inf)
-        self._best = np.full(5, np.inf)  # least distance of every kind, where, and of which pair
-        self._best_at = np.zeros(5)
-        self._best_pair = np.zeros(5, int)
+        self._best = np.full(len(KINDS), np.inf)  # least distance of every kind, where, which pair
+        self._best_at = np.zeros(len(KINDS))
+        self._best_pair = np.zeros(len(KINDS), int)
         self.distances = 0
         self.finished = False
+
+    def _place_what_stands(self, spans: np.ndarray) -> None:
+        start = np.array(self._path.span[:1])
+        points = self._company.locate(self._path.curve(start), self._rigging.ends_at(start))[0]
+        for index in self._placed:
+            self._scene.place(index, *points[spans[index]])
 
     def run(self) -> None:
         """Prove, or find failures."""
         low, high = self._path.span
-        pair = np.arange(len(self._pairs.body))
-        a, b = np.full(len(pair), low), np.full(len(pair), high)
+        pair = np.arange(len(self._one))
+        a, b = np.full(len(pair), low), np.where(self._moving, high, low)
         while len(pair):
             pair, a, b = self._halve(pair, a, b)
             if self._first_only and np.isfinite(self._first).any():
@@ -208,11 +142,12 @@ class _Search:
     def _halve(self, pair, a, b):
         """Look at the middles of intervals, and return the halves of those that need it."""
         middle, half = (a + b) / 2, (b - a) / 2
-        center = self._path.curve(middle)
-        value, normal = self._measure(pair, center)
+        center, ends = self._path.curve(middle), self._rigging.ends_at(middle)
+        points = self._company.locate(center, ends)
+        value, normal = self._measure(pair, points)
         self._note(pair, middle, value)
-        kind, required = self._pairs.kind[pair], self._pairs.required[pair] - ROUNDING
-        lower = self._lower_bound(pair, middle, half, center, value, normal)
+        kind, required = self._kind[pair], self._required[pair] - ROUNDING
+        lower = self._lower_bound(pair, middle, half, points, ends, value, normal)
         unproved = lower < required
         failing = np.isfinite(self._first[pair])
         stuck = unproved & ~failing & (half < _NARROW)
@@ -225,142 +160,148 @@ class _Search:
         pair, a, b, middle = pair[go_on], a[go_on], b[go_on], middle[go_on]
         return np.tile(pair, 2), np.append(a, middle), np.append(middle, b)
 
-    def _measure(self, pair, center) -> tuple[np.ndarray, np.ndarray]:
-        """Distances and directions (from the other body to the moving one) at given positions."""
-        scene, ends = self._scene, self._ends
+    def _measure(self, pair, points) -> tuple[np.ndarray, np.ndarray]:
+        """Distances and directions (from the other body to the one) of pairs at given points."""
+        scene, placed = self._scene, self._placed
         value, normal = np.empty(len(pair)), np.empty((len(pair), 3))
-        hooks = center + self._hook
-        rows = zip(*(column[pair].tolist() for column in self._pairs[:3]), strict=True)
-        for row, (body, other, kind) in enumerate(rows):
-            hook = hooks[row]
-            if kind == 4:
-                for k in (body - 1, other):
-                    scene.place_cable(k, hook + NEAR_HOOK * (ends[k] - hook), ends[k])
-                other = scene.load + 1 + other
-            elif body:
-                scene.place_cable(body - 1, hook, ends[body - 1])
-            else:
-                scene.place_load(center[row])
-            value[row], normal[row] = scene.distance(other, scene.load + body)
+        columns = self._one, self._other, self._kind, self._span_one, self._span_other
+        rows = zip(*(column[pair].tolist() for column in columns), strict=True)
+        for row, (one, other, kind, (a, b), (c, d)) in enumerate(rows):
+            if kind == _ENDS:
+                way = points[row, a] - points[row, c]
+                value[row] = np.sqrt(way @ way)
+                normal[row] = way / max(value[row], 1e-12)
+                continue
+            if one not in placed:
+                scene.place(one, points[row, a], points[row, b])
+            if other not in placed:
+                scene.place(other, points[row, c], points[row, d])
+            value[row], normal[row] = scene.distance(other, one)
         self.distances += len(pair)
         return value, normal
 
     def _note(self, pair, middle, value) -> None:
         """Remember failures and least distances."""
         np.minimum.at(self._least, pair, value)
-        failed = value < self._pairs.required[pair] - ROUNDING
+        failed = value < self._required[pair] - ROUNDING
         for row in np.flatnonzero(failed):
             if middle[row] < self._first[pair[row]]:
                 self._first[pair[row]] = middle[row]
                 self._first_value[pair[row]] = value[row]
-        kinds = self._pairs.kind[pair]
-        for kind in range(5):
+        kinds = self._kind[pair]
+        for kind in np.unique(kinds):
             rows = np.flatnonzero(kinds == kind)
-            if len(rows) and value[rows].min() < self._best[kind]:
+            if value[rows].min() < self._best[kind]:
                 row = rows[value[rows].argmin()]
                 self._best[kind], self._best_at[kind] = value[row], middle[row]
                 self._best_pair[kind] = pair[row]
 
-    def _lower_bound(self, pair, middle, half, center, value, normal) -> np.ndarray:
+    def _lower_bound(self, pair, middle, half, points, ends, value, normal) -> np.ndarray:
         """Proven lower bounds of the distances over whole intervals."""
-        speed, bend = self._path.bounds(middle - half, middle + half)
-        velocity = self._path.derivatives[0](middle)
-        isotropic = value - ROUNDING - 2 * speed * half  # twice: two cables may both move
-        towards = np.abs((normal * velocity).sum(axis=-1)) * half + 0.5 * bend * half**2
-        plane = np.full(len(pair), -np.inf)
-        body, other, kind = (column[pair] for column in self._pairs[:3])
-        at = (normal * center).sum(axis=-1)
-        hook = at + normal @ self._hook
-        radius, half_height = self._load
-        for kind_of_body in np.unique(body):
-            rows = np.flatnonzero((body == kind_of_body) & (kind != 4))
-            n = normal[rows]
-            if kind_of_body == 0:
-                level = np.hypot(n[:, 0], n[:, 1])
-                nearest = at[rows] - towards[rows] - radius * level - half_height * np.abs(n[:, 2])
-            else:
-                upper = n @ self._ends[kind_of_body - 1]
-                nearest = np.minimum(hook[rows] - towards[rows], upper) - self._cable
-            plane[rows] = nearest - self._support(other[rows], n)
-        rows = np.flatnonzero(kind == 4)
-        plane[rows] = self._between_cables(
-            body[rows] - 1, other[rows], normal[rows], hook[rows], towards[rows]
-        )
-        fixed = kind != 4
-        isotropic[fixed] += (speed * half)[fixed]
+        company, rows = self._company, np.arange(len(pair))
+        motion = self._motion(middle, half, ends)
+        one, other = self._span_one[pair], self._span_other[pair]
+        plane = np.full(len(pair), np.inf)
+        for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            a, b = one[:, i], other[:, j]
+            apart = ((points[rows, a] - points[rows, b]) * normal).sum(axis=-1)
+            rate = ((motion.rates[rows, a] - motion.rates[rows, b]) * normal).sum(axis=-1)
+            lost = np.abs(rate) * half + motion.rest(company, a, b, half)
+            plane = np.minimum(plane, apart - lost)
+        plane -= self._reach(self._one[pair], -normal) + self._reach(self._other[pair], normal)
+        way = (motion.speed(company, span).max(axis=1) for span in (one, other))
+        isotropic = value - ROUNDING - sum(way) * half
         return np.fmax(plane, isotropic)
 
-    def _support(self, fixed: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        reached = np.empty(len(fixed))
-        for index in np.unique(fixed):
-            rows = fixed == index
-            reached[rows] = self._bodies[index].shape.support(normal[rows])
-        return reached
-
-    def _between_cables(self, one, other, normal, hook, moved) -> np.ndarray:
-        """Least gap along a normal between the checked parts of two cables of one moving hook.
-
-        A checked part reaches from P to h + λ (P - h). Of the four differences of such points
-        two do not depend on the hook's position h along the normal and two are monotone in it.
-        """
-        upper, lower = ((normal * self._ends[k]).sum(axis=-1) for k in (one, other))
-        share = NEAR_HOOK
-        gaps = (
-            upper - lower,
-            share * (upper - lower),
-            share * upper + (1 - share) * (hook - moved) - lower,
-            upper - (1 - share) * (hook + moved) - share * lower,
+    def _motion(self, middle, half, ends) -> "_Motion":
+        """How fast everything is in the middles of intervals, and at most within them."""
+        low, high = middle - half, middle + half
+        speed, bend = self._path.spline.bounds(low, high)
+        rig, tracks = self._rigging, self._rigging.tracks
+        velocity = self._path.derivatives[0](middle)
+        if not tracks:
+            still = np.zeros((len(middle), rig.cables))
+            rates = self._company.rates(velocity, np.zeros((len(middle), rig.cables, 3)))
+            return _Motion(rates, speed, bend, still, still, still)
+        rates = np.stack([track.derivatives[0](middle) for track in tracks], axis=1)
+        speeds, bends = (
+            np.stack(each, axis=1)
+            for each in zip(*(track.bounds(low, high) for track in tracks), strict=True)
         )
-        return np.minimum.reduce(gaps) - 2 * self._cable
+        moved, shoulders = speeds * half[:, None], self._company.shoulders
+        elbows = elbow_speed(shoulders, rig.links, ends, moved, speeds)
+        return _Motion(self._company.rates(velocity, rates), speed, bend, speeds, bends, elbows)
 
-    def _names(self, pair: int | np.integer) -> tuple[str, str]:
-        body, other, kind, _ = (column[pair] for column in self._pairs)
-        moving = f"cable {body}" if body else "load"
-        return moving, f"cable {other + 1}" if kind == 4 else self._bodies[other].name
+    def _reach(self, body: np.ndarray, normal: np.ndarray) -> np.ndarray:
+        """How far bodies go beyond their points, each along its own direction (m)."""
+        reached = np.empty(len(body))
+        for index in np.unique(body):
+            rows = body == index
+            reached[rows] = self._bodies[index].reach(normal[rows])
+        return reached
 
     def contacts(self) -> list[Contact]:
         """First failure of every pair that has one."""
         return [
             Contact(
-                float(self._law.time_of(self._first[pair])),
+                float(self._rigging.law.time_of(self._first[pair])),
                 self._names(pair),
                 float(self._first_value[pair]),
-                float(self._pairs.required[pair]),
+                float(self._required[pair]),
                 float(min(self._least[pair], self._first_value[pair])),
             )
             for pair in np.flatnonzero(np.isfinite(self._first))
         ]
 
     def clearances(self) -> list[Clearance]:
-        """Least distances of the moving kinds."""
+        """Least distances of all kinds."""
         found = []
-        for kind in range(5):
+        for kind, name in enumerate(KINDS):
             if not np.isfinite(self._best[kind]):
-                found.append(Clearance(KINDS[kind], np.inf, 0.0, 0.0, ("", "")))
+                found.append(Clearance(name, np.inf, 0.0, 0.0, ("", "")))
                 continue
-            pair = self._best_pair[kind]
+            pair, time = self._best_pair[kind], self._rigging.law.time_of(self._best_at[kind])
+            required = float(self._required[pair])
             found.append(
-                Clearance(
-                    KINDS[kind],
-                    float(self._best[kind]),
-                    float(self._pairs.required[pair]),
-                    float(self._law.time_of(self._best_at[kind])),
-                    self._names(pair),
-                )
+                Clearance(name, float(self._best[kind]), required, float(time), self._names(pair))
             )
         return found
 
+    def _names(self, pair: int | np.integer) -> tuple[str, str]:
+        return self._bodies[self._one[pair]].name, self._bodies[self._other[pair]].name
 
-def _moving_pairs(scenario: Scenario, bodies: Sequence[Fixed], cables: int) -> _Pairs:
-    """Every pair that has to stay apart while the load moves."""
-    gap = scenario.limits.clearance
-    rows = []
-    for index, fixed in enumerate(bodies):
-        arm = fixed.robot >= 0
-        rows.append((0, index, 2 if arm else 0, gap))
-        for k in range(cables):
-            if fixed.robot != k or fixed.part < 2:
-                rows.append((k + 1, index, 3 if arm else 1, gap))
-    rows += [(k + 1, j, 4, 0.0) for k in range(cables) for j in range(k)]
-    body, other, kind, required = zip(*rows, strict=True)
-    return _Pairs(np.array(body), np.array(other), np.array(kind), np.array(required, float))
+
+_ENDS = KINDS.index("ends to each other")
+
+
+class _Motion(NamedTuple):
+    """Rates with respect to the path's parameter, one row per interval."""
+
+    rates: np.ndarray  # of all points in the middle, (rows, points, 3); zero for elbows
+    load_speed: np.ndarray  # bounds over the interval: |p'| and |p''| of the load's centre, (rows,)
+    load_bend: np.ndarray
+    end_speed: np.ndarray  # … and of the ends, (rows, K)
+    end_bend: np.ndarray
+    elbow_speed: np.ndarray  # (rows, K)
+
+    def rest(self, company: Company, a: np.ndarray, b: np.ndarray, half: np.ndarray) -> np.ndarray:
+        """How far point a can get towards point b beyond their first-order motion (m)."""
+        rows, share, track = np.arange(len(a)), company.share, company.track
+        bend = np.abs(company.along[a] - company.along[b]) * self.load_bend
+        one = self.end_bend[rows, track[a]]
+        other = self.end_bend[rows, track[b]]
+        together = np.abs(share[a] - share[b]) * one
+        alone = np.abs(share[a]) * one + np.abs(share[b]) * other
+        bend = bend + np.where(track[a] == track[b], together, alone)
+        return 0.5 * bend * half**2 + (self._elbow(company, a) + self._elbow(company, b)) * half
+
+    def speed(self, company: Company, points: np.ndarray) -> np.ndarray:
+        """Greatest speed of points (rows, any number)."""
+        rows = np.arange(len(points))[:, None]
+        ends = np.abs(company.share[points]) * self.end_speed[rows, company.track[points]]
+        elbows = np.stack([self._elbow(company, each) for each in points.T], axis=1)
+        return np.abs(company.along[points]) * self.load_speed[:, None] + ends + elbows
+
+    def _elbow(self, company: Company, points: np.ndarray) -> np.ndarray:
+        of = company.elbow_of[points]
+        return np.where(of >= 0, self.elbow_speed[np.arange(len(points)), np.maximum(of, 0)], 0.0)

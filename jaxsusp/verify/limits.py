@@ -2,23 +2,25 @@
 
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
-from jaxsusp._types import Array, Float
-from jaxsusp.constraints import WORKSPACE_TOLERANCE, stability_of
-from jaxsusp.mechanics import arm
-from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
-from jaxsusp.mechanics.statics import GRAVITY, hook_tensions, weight
+from jaxsusp.constraints import WORKSPACE_TOLERANCE
+from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.loads import Loads, cable_loads
+from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.scenario import Scenario
-from jaxsusp.trajectory.timelaw import TimeLaw
-from jaxsusp.vec3 import Vec3
 from jaxsusp.verify.certificate import ROUNDING, Certificate
-from jaxsusp.world import World, build_world, cast_world, rounded_counts
+from jaxsusp.world import attachments_of
 
 INSTANTS = 2001
 """Times at which everything but the distances is computed: every 20 ms of a 40 s plan."""
+
+STRETCH = 1e-3
+"""m by which a length (or a base's height) that its drive mode keeps may change between the
+points of a path: what a cable of 1e5 N/m stretches under 100 N."""
+
+TURN = "turn of the load from level"
+"""Name of the check that a level load is near its equilibrium."""
 
 
 class Check(NamedTuple):
@@ -61,93 +63,77 @@ class Check(NamedTuple):
         return f"{self.name}{about} is {value}{when}, allowed is {self.limit}"
 
 
-class Loads(NamedTuple):
-    """Cables at many instants."""
-
-    lengths: Float[np.ndarray, "times cables"]  # m
-    static: Float[np.ndarray, "times cables"]  # tensions of a load at rest there, N
-    tensions: Float[np.ndarray, "times cables"]  # with inertia, N
-    stability: Float[np.ndarray, "times"]  # S_c, without inertia
-
-
-def cable_loads(
-    scenario: Scenario,
-    ends: Float[Array, "cables xyz"],
-    position: Float[Array, "times xyz"],
-    acceleration: Float[Array, "times xyz"],
-) -> Loads:
-    """Lengths, tensions and stability factor of the level payload, float64 (Eq. 3, 4, 6, 18)."""
-    with jax.enable_x64(True):
-        world = with_ends(
-            cast_world(build_world(scenario, rounded_counts(scenario)), np.float64), ends
-        )
-        found = _loads(world, jnp.asarray(position), jnp.asarray(acceleration))
-        return Loads(*map(np.asarray, found))
-
-
-def with_ends(world: World, ends: Float[Array, "cables xyz"]) -> World:
-    """The same world with other cable ends."""
-    return world._replace(bodies=world.bodies._replace(ends=Vec3.from_array(jnp.asarray(ends))))
-
-
-@jax.jit
-def _loads(world: World, position, acceleration) -> tuple[Array, ...]:
-    where = Vec3.from_array(position)
-    vectors = cable_vectors(where, world.bodies.attachments, world.bodies.ends)
-    lengths, still = cable_lengths(vectors), weight(world.mass)
-    static = hook_tensions(vectors, lengths, still)
-    moving = hook_tensions(vectors, lengths, Vec3.from_array(acceleration) * world.mass + still)
-    columns = (jnp.stack(each, axis=-1) for each in (lengths, static, moving))
-    return *columns, stability_of(world, where, static)
-
-
-def constraint_report(
-    scenario: Scenario,
-    law: TimeLaw,
-    ends: Float[Array, "cables xyz"],
-    joints: Float[Array, "cables joints"],
-    certificate: Certificate,
-) -> tuple[Check, ...]:
+def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check, ...]:
     """Every limit of Eq. 22 on the real curve.
 
     Tensions are those with inertia; they must keep T_lo and T_hi, and their peak is compared with
-    the ultimate tension T_lim = k_a T_hi as well. The posture is level by plan; what is reported is
-    the tilt at which a hanging load would ride the planned acceleration.
+    the ultimate tension T_lim = k_a T_hi as well. At a hook the posture is level by plan; what is
+    reported is the tilt at which a hanging load would ride the planned acceleration. With separate
+    attachments it is the equilibrium posture, which has to exist, to be near level, and stable.
 
     Args:
-        scenario: the limits.
-        law: the motion of the load's centre.
-        ends: P_k (m).
-        joints: (φ1, φ2, φ3) of every robot (rad).
+        rigging: the system along its path.
         certificate: distances.
     """
+    scenario, law = rigging.scenario, rigging.law
     times = np.linspace(0, law.duration, INSTANTS)
-    motion = law.at(times)
-    loads = cable_loads(scenario, ends, motion.position, motion.acceleration)
+    motion, ends = law.at(times), rigging.ends_at(law.parameter(times))
+    loads = cable_loads(scenario, motion.position, motion.acceleration, ends)
     limits = scenario.limits
     low, high = limits.tension
     ultimate = limits.safety_factor * high
     balance = _ratio(loads.tensions.min(axis=1), loads.tensions.max(axis=1))
-    tilt = np.rad2deg(
-        np.arctan2(
-            np.linalg.norm(motion.acceleration[:, :2], axis=1), GRAVITY + motion.acceleration[:, 2]
-        )
-    )
     inf = np.inf
     checks = [
-        _extreme("tilt of the load", tilt, times, max, -inf, limits.posture_deg, "°"),
+        *_posture(scenario, loads, motion.acceleration, times),
         *_distances(certificate),
         _of_cable("length", loads.lengths, times, min, limits.cable_length[0], inf, "m"),
         _of_cable("length", loads.lengths, times, max, -inf, limits.cable_length[1], "m"),
+        *_kept(rigging, loads.lengths, ends, times),
         _of_cable("tension", loads.tensions, times, min, low, inf, "N"),
         _of_cable("tension", loads.tensions, times, max, -inf, high, "N"),
         _of_cable("ultimate tension T_lim", loads.tensions, times, max, -inf, ultimate, "N"),
         _extreme("tension ratio C_t", balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
         _extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
         *_inside(scenario, motion.position, times),
-        *_robots(scenario, np.asarray(ends), np.asarray(joints)),
+        *_robots(rigging, ends, times),
     ]
     return tuple(checks)
+
+
+def _posture(scenario: Scenario, loads: Loads, acceleration, times) -> list[Check]:
+    """How the load hangs."""
+    limit, inf = scenario.limits.posture_deg, np.inf
+    if scenario.payload.attachments == "hook":
+        sideways = np.linalg.norm(acceleration[:, :2], axis=1)
+        tilt = np.rad2deg(np.arctan2(sideways, GRAVITY + acceleration[:, 2]))
+        return [_extreme("tilt of the load", tilt, times, max, -inf, limit, "°")]
+    turn = np.where(loads.balanced, np.rad2deg(loads.turn), np.nan)
+    missing = np.where(loads.balanced, 0.0, loads.missing)
+    return [
+        _extreme(TURN, turn, times, max, -inf, limit, "°"),
+        _extreme("moment that no tension balances", missing, times, max, -inf, 0.0, "N m"),
+        _extreme("stiffness of the equilibrium", loads.stiffness, times, min, 0.0, inf, "N/m"),
+    ]
+
+
+def _kept(rigging: Rigging, lengths: np.ndarray, ends: np.ndarray, times) -> list[Check]:
+    """What a drive mode does not change: cable lengths, and the heights of bases (spec §1)."""
+    scenario, inf = rigging.scenario, np.inf
+    if scenario.drive not in ("end", "base"):
+        return []
+    given = np.array([robot.end for robot in scenario.robots])
+    hung = attachments_of(scenario) + scenario.task.start
+    change = np.abs(lengths - np.linalg.norm(given - hung, axis=1))
+    checks = [_of_cable("change of length", change, times, max, -inf, STRETCH, "m")]
+    if scenario.drive == "base":
+        lifted = np.abs(rigging.bases_at(ends)[..., 2] - rigging.bases[:, 2])
+        at, k = np.unravel_index(int(lifted.argmax()), lifted.shape)
+        value, about = float(lifted[at, k]), f"robot {k + 1}"
+        checks.append(
+            Check("lift of a base", value, -inf, STRETCH, "m", float(times[at]), about, 1e-9)
+        )
+    return checks
 
 
 def _distances(certificate: Certificate) -> list[Check]:
@@ -190,25 +176,27 @@ def _inside(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list
     ]  # fmt: skip
 
 
-def _robots(scenario: Scenario, ends: np.ndarray, joints: np.ndarray) -> list[Check]:
-    """Reach and joint angles of every robot."""
-    checks = []
-    with jax.enable_x64(True):
-        for k, robot in enumerate(scenario.robots):
-            base, links = jnp.array(robot.base), jnp.array(robot.links)
-            distance = float(arm.shoulder_distance(base, links, jnp.asarray(ends[k])))
-            near, far = map(float, arm.reach(links))
-            about = f"robot {k + 1}"
-            checks.append(Check("reach", distance, near, far, "m", None, about, 1e-9))
+def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check]:
+    """Reach and joint angles of every robot, each where it is nearest to its limits."""
+    checks, scenario = [], rigging.scenario
+    bases, joints = rigging.bases_at(ends), np.rad2deg(rigging.joints_at(ends))
+    shoulders = bases + rigging.links[:, :1] * np.array([0.0, 0.0, 1.0])
+    distance = np.linalg.norm(ends - shoulders, axis=-1)
+    near, far = np.abs(rigging.links[:, 1] - rigging.links[:, 2]), rigging.links[:, 1:].sum(axis=1)
+
+    def worst(name, values, low, high, unit, k) -> Check:
+        margin = np.minimum(values - low, high - values)
+        at = int(margin.argmin())
+        time = float(times[at]) if rigging.moves else None
+        return Check(name, float(values[at]), low, high, unit, time, f"robot {k + 1}", 1e-9)
+
+    for k in range(rigging.cables):
+        checks.append(worst("reach", distance[:, k], float(near[k]), float(far[k]), "m", k))
     limits = scenario.limits.joint_limits_deg
     if limits is not None:
-        for k in range(len(ends)):
-            ranges = limits[k if len(limits) > 1 else 0]
-            for i, (low, high) in enumerate(ranges):
-                value, about = float(np.rad2deg(joints[k, i])), f"robot {k + 1}"
-                checks.append(
-                    Check(f"joint angle φ{i + 1}", value, low, high, "°", None, about, 1e-9)
-                )
+        for k in range(rigging.cables):
+            for i, (low, high) in enumerate(limits[k if len(limits) > 1 else 0]):
+                checks.append(worst(f"joint angle φ{i + 1}", joints[:, k, i], low, high, "°", k))
     return checks
 
 

@@ -1,6 +1,6 @@
 """The system of a plan as a MuJoCo model: ends, cables that only pull, and the load.
 
-A cable is a spatial tendon from its end to the hook, driven by an actuator that pulls in
+A cable is a spatial tendon from its end to its attachment, driven by an actuator that pulls in
 proportion to how much longer the tendon is than the commanded length, with damping, and never
 pushes. The load has six freedoms. Its rotations are damped a little, as friction in a hook would:
 the paper gives no number, ours is a tenth of critical.
@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from jaxsusp.plans import Plan, hold
+from jaxsusp.plans import Plan
+from jaxsusp.verify.armmodel import add_robots, servo_names, servo_positions
 from jaxsusp.verify.engine import mujoco
-from jaxsusp.verify.scene import BoxShape, CapsuleShape, CylinderShape, Fixed, fixed_bodies
+from jaxsusp.verify.scene import BoxShape, CapsuleShape, CylinderShape, Shape, obstacle_shape
+from jaxsusp.world import attachments_of
 
 TIMESTEP = 0.002
 """s; a tenth of the shortest period of the stretched cables."""
@@ -26,14 +28,15 @@ DAMPING = 500.0
 SWING_DAMPING = 0.1
 """Share of critical damping of the load's swing about the hook."""
 
-_STONE, _ARM = (0.79, 0.80, 0.83, 1.0), (0.60, 0.64, 0.69, 1.0)
+_STONE = (0.79, 0.80, 0.83, 1.0)
 _LOAD, _CABLE = (0.77, 0.24, 0.0, 1.0), (0.17, 0.17, 0.17, 1.0)
 
 
 def build_spec(plan: Plan) -> Any:
-    """The model as an editable MuJoCo specification, the load at the start.
+    """The model as an editable MuJoCo specification; its key frame 0 is the start at rest.
 
-    Controls are cable lengths (m), one actuator per cable, in order.
+    Controls are unstretched cable lengths (m), one per cable in order, and behind them what the
+    servos of moving robots hold (`armmodel.servo_names`).
     """
     spec = mujoco.MjSpec()
     spec.modelname = plan.scenario.name
@@ -45,12 +48,10 @@ def build_spec(plan: Plan) -> Any:
     spec.visual.map.zfar = 60.0
     _surroundings(spec, plan)
     _load(spec, plan)
-    for k, end in enumerate(plan.ends):
-        spec.worldbody.add_site(name=f"end {k + 1}", pos=end, size=[0.05] * 3, rgba=_ARM)
+    limits = plan.scenario.limits
+    for k in range(plan.rigging.cables):
         tendon = spec.add_tendon(name=f"cable {k + 1}", rgba=_CABLE)
-        tendon.width = 2 * plan.scenario.limits.cable_radius  # twice life, to be seen from afar
-        tendon.wrap_site(f"end {k + 1}")
-        tendon.wrap_site("hook")
+        tendon.width = 2 * limits.cable_radius  # twice life, to be seen from afar
         spec.add_actuator(
             name=f"winch {k + 1}",
             target=f"cable {k + 1}",
@@ -60,11 +61,29 @@ def build_spec(plan: Plan) -> Any:
             biastype=mujoco.mjtBias.mjBIAS_AFFINE,
             biasprm=[0, -STIFFNESS, -DAMPING, *[0] * 7],
             ctrllimited=True,
-            ctrlrange=[0, 2 * plan.scenario.limits.cable_length[1]],
+            ctrlrange=[0, 2 * limits.cable_length[1]],
             forcelimited=True,
             forcerange=[-1e6, 0],  # a cable pulls and never pushes
         )
+    add_robots(spec, plan.rigging)
+    for k, tendon in enumerate(spec.tendons):
+        tendon.wrap_site(f"end {k + 1}")
+        tendon.wrap_site(f"attachment {k + 1}")
+    _key_frame(spec, plan)
     return spec
+
+
+def _key_frame(spec: Any, plan: Plan) -> None:
+    """The state at the start: servos where they are to be, the load in its posture."""
+    model = spec.compile()
+    state = np.zeros(model.nq)
+    servos = servo_positions(plan.rigging, np.array(plan.law.path.span[:1]))[0]
+    for name, value in zip(servo_names(plan.rigging), servos, strict=True):
+        state[model.joint(name).qposadr[0]] = value
+    turn = model.joint("turn").qposadr[0]
+    mujoco.mju_mat2Quat(state[turn : turn + 4], plan.loads_at(np.zeros(1)).posture[0].ravel())
+    control = np.concatenate([plan.lengths[0] - plan.tensions[0] / STIFFNESS, servos])
+    spec.add_key(name="start", qpos=state, ctrl=control)
 
 
 def _surroundings(spec: Any, plan: Plan) -> None:
@@ -80,36 +99,30 @@ def _surroundings(spec: Any, plan: Plan) -> None:
     )  # fmt: skip
     world.add_geom(
         name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[9, 9, 0.1],
-        rgba=[0.93, 0.93, 0.92, 1],
+        rgba=[0.93, 0.93, 0.92, 1], contype=0,
     )  # fmt: skip
-    elbow_up = plan.joints[0, :, 2] >= 0
-    posture = hold(plan.scenario, plan.law, plan.ends, len(plan.times), elbow_up)
-    for index, body in enumerate(fixed_bodies(plan.scenario, posture.chains)):
-        name = f"{body.name}" if body.robot >= 0 else f"{index + 1} {body.name}"
-        _geom(world, name, body)
+    for number, obstacle in enumerate(plan.scenario.obstacles, start=1):
+        name = f"{number} {obstacle.name or f'obstacle {number}'}"
+        _geom(world, name, obstacle_shape(obstacle))
 
 
-def _geom(world: Any, name: str, body: Fixed) -> None:
-    """A body that stands still, with contacts."""
-    look = {"name": name, "rgba": _STONE if body.robot < 0 else _ARM}
+def _geom(world: Any, name: str, shape: Shape) -> None:
+    """An obstacle; like all that is not the load it is in contact with the load only."""
+    look = {"name": name, "rgba": _STONE, "contype": 0}
     kinds = mujoco.mjtGeom
-    match body.shape:
+    match shape:
         case BoxShape(center, half, yaw):
             turn = [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
             world.add_geom(type=kinds.mjGEOM_BOX, pos=center, size=half, quat=turn, **look)
         case CylinderShape(center, radius, half_height):
             size = [radius, half_height, 0]
             world.add_geom(type=kinds.mjGEOM_CYLINDER, pos=center, size=size, **look)
-        case CapsuleShape(start, stop, radius) if np.allclose(start, stop):
+        case CapsuleShape(start, _, radius):  # obstacles of this shape are spheres
             world.add_geom(type=kinds.mjGEOM_SPHERE, pos=start, size=[radius, 0, 0], **look)
-        case CapsuleShape(start, stop, radius):
-            line = [*start, *stop]
-            size = [radius, 0, 0]
-            world.add_geom(type=kinds.mjGEOM_CAPSULE, fromto=line, size=size, **look)
 
 
 def _load(spec: Any, plan: Plan) -> None:
-    """The load at the start: three translations, a ball joint, and the hook on top."""
+    """The load at the start: three translations, a ball joint, and its attachments."""
     payload = plan.scenario.payload
     hook = payload.height / 2
     body = spec.worldbody.add_body(name="load", pos=plan.scenario.task.start)
@@ -121,7 +134,12 @@ def _load(spec: Any, plan: Plan) -> None:
     turn = body.add_joint(name="turn", type=mujoco.mjtJoint.mjJNT_BALL)
     turn.damping = np.full(np.shape(turn.damping), damping) if np.ndim(turn.damping) else damping
     body.add_geom(
-        name="load", type=mujoco.mjtGeom.mjGEOM_CYLINDER, rgba=_LOAD, mass=payload.mass,
+        name="load", type=mujoco.mjtGeom.mjGEOM_CYLINDER, rgba=_LOAD,
         size=[payload.radius, payload.height / 2, 0],
     )  # fmt: skip
-    body.add_site(name="hook", pos=[0, 0, hook], size=[0.02] * 3, rgba=_CABLE)
+    across = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4)
+    body.explicitinertial, body.mass = True, payload.mass
+    body.ipos = payload.center_of_mass
+    body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
+    for k, place in enumerate(attachments_of(plan.scenario)):
+        body.add_site(name=f"attachment {k + 1}", pos=place, size=[0.02] * 3, rgba=_CABLE)

@@ -85,7 +85,13 @@ def _no_renderer(error: Exception) -> NoRendererError:
 
 def _camera(plan: Plan) -> Any:
     """A view of the whole system from where the path is seen best."""
-    points = np.vstack([plan.ends, plan.position, [robot.base for robot in plan.scenario.robots]])
+    points = np.vstack(
+        [
+            plan.end_path.reshape(-1, 3),
+            plan.position,
+            [robot.base for robot in plan.scenario.robots],
+        ]
+    )
     low, high = points.min(axis=0), points.max(axis=0)
     view = best_view([of_obstacle(each) for each in plan.scenario.obstacles], [plan.position])
     camera = mujoco.MjvCamera()

@@ -7,14 +7,15 @@ vertices here; and mesh vertices are single precision, which moves a face by up 
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from jaxsusp._types import Array, Float
 from jaxsusp.geometry.meshes import bounding_box
-from jaxsusp.scenario import Scenario
 from jaxsusp.verify.engine import mujoco
+
+if TYPE_CHECKING:
+    from jaxsusp.verify.company import Body
 
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _FAR = 1e3  # m, beyond every distance asked for
@@ -100,15 +101,6 @@ Shape = BoxShape | CylinderShape | CapsuleShape
 """Convex bodies that know how far they reach in a direction, and how to become a geom."""
 
 
-class Fixed(NamedTuple):
-    """A body that stands still during the plan."""
-
-    name: str
-    shape: Shape
-    robot: int = -1  # whose arm it belongs to; -1: an obstacle
-    part: int = -1  # 0 column, 1 upper link, 2 lower link
-
-
 def obstacle_shape(obstacle: Any) -> Shape:
     """The exact body of an obstacle; a mesh gives way to its bounding box (spec §5)."""
     center = np.asarray(obstacle.center, np.float64)
@@ -126,67 +118,44 @@ def obstacle_shape(obstacle: Any) -> Shape:
     raise ValueError(f"an obstacle of unknown kind {obstacle.kind!r}")
 
 
-def fixed_bodies(
-    scenario: Scenario, chains: Float[Array, "cables points=4 xyz"]
-) -> tuple[Fixed, ...]:
-    """Obstacles and the robots' columns and links.
-
-    Args:
-        scenario: obstacles and radii.
-        chains: foot, shoulder, elbow and end of every robot (m).
-    """
-    bodies = [
-        Fixed(obstacle.name or f"obstacle {number}", obstacle_shape(obstacle))
-        for number, obstacle in enumerate(scenario.obstacles, start=1)
-    ]
-    for k, (robot, chain) in enumerate(zip(scenario.robots, np.asarray(chains), strict=True)):
-        for part, name in enumerate(("column", "upper link", "lower link")):
-            radius = robot.link_radius if part else robot.column_radius
-            shape = CapsuleShape(chain[part], chain[part + 1], radius)
-            bodies.append(Fixed(f"{name} of robot {k + 1}", shape, k, part))
-    return tuple(bodies)
-
-
 class Scene:
-    """Fixed bodies, the load and its cables in one MuJoCo model that is never stepped.
+    """Bodies in one MuJoCo model that is never stepped: placed, and measured pair by pair.
 
     Args:
-        scenario: sizes of load and cables.
-        bodies: what stands still.
-        cables: number K of cables.
+        bodies: obstacles stand where they are, all others are placed.
     """
 
-    def __init__(self, scenario: Scenario, bodies: Sequence[Fixed], cables: int):
+    def __init__(self, bodies: "Sequence[Body]"):
         spec = mujoco.MjSpec()
         spec.option.ccd_tolerance = 1e-12
         spec.option.ccd_iterations = 500
+        kinds = mujoco.mjtGeom
         for index, body in enumerate(bodies):
-            body.shape.add(spec, f"{index}")
-        payload, radius = scenario.payload, scenario.limits.cable_radius
-        spec.worldbody.add_geom(
-            name="load",
-            type=mujoco.mjtGeom.mjGEOM_CYLINDER,
-            size=[payload.radius, payload.height / 2, 0],
-        )
-        for k in range(cables):
-            spec.worldbody.add_geom(
-                name=f"cable {k}", type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[radius, 1, 0]
-            )
+            name, radius = f"{index}", max(body.radius, _THIN)
+            if body.obstacle is not None:
+                body.obstacle.add(spec, name)
+            elif body.half_height is not None:
+                size = [radius, body.half_height, 0]
+                spec.worldbody.add_geom(name=name, type=kinds.mjGEOM_CYLINDER, size=size)
+            else:
+                size = [radius, 1, 0]
+                spec.worldbody.add_geom(name=name, type=kinds.mjGEOM_CAPSULE, size=size)
+        self._bodies = bodies
         self._model = spec.compile()
         self._data = mujoco.MjData(self._model)
         mujoco.mj_forward(self._model, self._data)
-        self.load = len(bodies)
-        """Geom of the load; fixed bodies come before it, cables behind it."""
         self._touch = np.zeros(6)
 
-    def place_load(self, center: np.ndarray) -> None:
-        """Put the centre of the upright load somewhere (m)."""
-        self._data.geom_xpos[self.load] = center
+    def place(self, index: int, first: np.ndarray, second: np.ndarray) -> None:
+        """Put a body where its points are (m)."""
+        if self._bodies[index].obstacle is not None:
+            return
+        self._data.geom_xpos[index] = (first + second) / 2
+        if self._bodies[index].half_height is None:
+            self._stretch(index, second - first)
 
-    def place_cable(self, k: int, lower: np.ndarray, upper: np.ndarray) -> None:
-        """Stretch cable k between two points (m)."""
-        geom = self.load + 1 + k
-        along = upper - lower
+    def _stretch(self, geom: int, along: np.ndarray) -> None:
+        """Turn and lengthen a capsule."""
         length = np.sqrt(along @ along)
         x, y, z = along / length if length > 0 else (0.0, 0.0, 1.0)
         level = np.hypot(x, y)
@@ -197,11 +166,10 @@ class Scene:
             *(b, z * a - x * c, y),
             *(c, x * b - y * a, z),
         )
-        self._data.geom_xpos[geom] = (lower + upper) / 2
         self._model.geom_size[geom, 1] = length / 2
 
     def distance(self, one: int, other: int) -> tuple[float, np.ndarray]:
-        """Signed distance of two geoms (m) and the unit vector from `one` to `other`.
+        """Signed distance of two bodies (m) and the unit vector from `one` to `other`.
 
         Where they touch or overlap the vector is NaN.
         """

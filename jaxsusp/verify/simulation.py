@@ -1,4 +1,4 @@
-"""A plan played in simulation: its cable lengths, a load that swings, cables that only pull."""
+"""A plan played in simulation: winches and arms move, the load swings, cables only pull."""
 
 import os
 from collections.abc import Callable
@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from jaxsusp._files import write_text
 from jaxsusp._types import Float
 from jaxsusp.plans import Plan
+from jaxsusp.verify import armmodel
+from jaxsusp.verify.armmodel import servo_positions
 from jaxsusp.verify.engine import mujoco
+from jaxsusp.verify.limits import INSTANTS
 from jaxsusp.verify.model import DAMPING, STIFFNESS, build_spec
 
 SETTLING = 3.0
@@ -88,7 +92,7 @@ class Simulation:
 
 
 def simulate(plan: Plan, seen: Callable[[Any, Any, float], None] | None = None) -> Simulation:
-    """Play the cable lengths of a plan.
+    """Play the cable lengths of a plan, and its arms and bases where they move.
 
     Args:
         plan: any plan.
@@ -102,57 +106,65 @@ def simulate(plan: Plan, seen: Callable[[Any, Any, float], None] | None = None) 
     step, duration = model.opt.timestep, plan.scenario.task.duration
     steps = round(duration / step)
     times = np.arange(steps + 1) * step
-    commands = winch_commands(plan, times)
-    data.ctrl[:] = commands[0]
+    controls = commands(plan, times)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.ctrl[:] = controls[0]
     mujoco.mj_step(model, data, round(SETTLING / step))
 
     load = model.geom("load").id
     records, contacts = [], {}
+    cables = plan.rigging.cables
     centre, attitude, pull = data.body("load").xpos, data.body("load").xmat, data.actuator_force
     for i in range(steps + 1):
-        data.ctrl[:] = commands[i]
+        data.ctrl[:] = controls[i]
         mujoco.mj_step(model, data)  # its results are those of the instant before the step
         if i % _EVERY == 0:
-            records.append((i, *centre, attitude[8], *-pull))
+            records.append((i, *centre, attitude[8], *-pull[:cables]))
             if seen:
                 seen(model, data, i * step)
         if data.ncon:
             _note_contacts(model, data, load, i * step, contacts)
     table = np.array(records)
     when = times[table[:, 0].astype(int)]
-    cables = len(plan.ends)
     return Simulation(
         when,
         table[:, 1:4],
         np.rad2deg(np.arccos(np.clip(table[:, 4], -1, 1))),
         table[:, 5 : 5 + cables],
         plan.at(when).position,
-        plan.cables_at(when)[1],
+        plan.loads_at(when).tensions,
         tuple((time, name) for name, time in contacts.items()),
     )
 
 
 def export_model(plan: Plan, path: str | os.PathLike[str]) -> None:
-    """Write the MJCF of a plan; the controls are those of `winch_commands`."""
+    """Write the MJCF of a plan; the controls are those of `commands`."""
     spec = build_spec(plan)
     spec.compile()
     write_text(path, spec.to_xml())
 
 
-def winch_commands(
-    plan: Plan, times: Float[np.ndarray, "times"]
-) -> Float[np.ndarray, "times cables"]:
-    """Controls of the model: cable lengths of the level load, with a lead of damping/stiffness.
+def commands(plan: Plan, times: Float[np.ndarray, "times"]) -> Float[np.ndarray, "times controls"]:
+    """Controls of the model: unstretched cable lengths (m), then servo positions (m, rad).
 
-    The actuator damps the rate of a tendon; with the lead c/k · dl/dt it damps the rate of the
-    stretch alone, as a rope does, whatever speed it is reeled with.
+    A cable is commanded shorter than planned by what its tension stretches it, which is what
+    decides the tensions where there are more cables than balance needs. Actuators damp the rate
+    of what they drive; with a lead of damping/stiffness times the planned rate they damp the
+    departure from the plan alone.
     """
-    motion = plan.at(times)
-    hooks = motion.position + np.array([0.0, 0.0, plan.scenario.payload.height / 2])
-    cables = hooks[:, None] - plan.ends[None]
-    lengths = np.linalg.norm(cables, axis=-1)
-    rates = (cables * motion.velocity[:, None]).sum(axis=-1) / lengths
-    return lengths + DAMPING / STIFFNESS * rates
+    nodes = np.linspace(0, plan.scenario.task.duration, INSTANTS)
+    loads = plan.loads_at(nodes)
+    winches = CubicSpline(nodes, loads.lengths - loads.tensions / STIFFNESS)
+    servos = CubicSpline(nodes, servo_positions(plan.rigging, plan.law.parameter(nodes)))
+    found = [
+        course(times) + damping / stiffness * course(times, 1)
+        for course, damping, stiffness in (
+            (winches, DAMPING, STIFFNESS),
+            (servos, armmodel.DAMPING, armmodel.GAIN),
+        )
+        if course.c.size
+    ]
+    return np.concatenate(found, axis=1)
 
 
 def _note_contacts(model, data, load: int, time: float, contacts: dict[str, float]) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plans import LOW
 
 import jaxsusp as js
-from jaxsusp.coordination.arms import build_robots, postures, separation_slack
+from jaxsusp.coordination.arms import build_robots, choose_postures, separation_slack
 from jaxsusp.coordination.ends import decode, encode, end_bounds, end_problem, evaluate_ends
 from jaxsusp.mechanics import arm
 from jaxsusp.plans import plan_through, sample_path
@@ -90,7 +90,7 @@ def test_what_is_in_the_way_of_an_arm_is_noticed(scenarios):
     world, robots = build_world(scenario, (4, 2, 2)), build_robots(scenario)
     position = Vec3(*(jnp.linspace(a, b, 5) for a, b in ((0.0, 0.5), (2.0, -2.0), (1.0, 3.0))))
     ends = jnp.array([robot.end for robot in scenario.robots])
-    found = postures(world, robots, position.to_array(), ends)
+    found = jax.jit(choose_postures)(world, robots, position, ends)
     chains = np.asarray(found.chains)
 
     def apart(a, b, c, d):

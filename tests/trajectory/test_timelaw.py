@@ -84,7 +84,7 @@ def test_bounds_of_derivatives_bound_them(points):
     path = SmoothPath(points)
     u = np.linspace(*path.span, 400)
     low, high = u[:-1:7], u[1::7]
-    speed, bend = path.bounds(low, high)
+    speed, bend = path.spline.bounds(low, high)
     for a, b, most_speed, most_bend in zip(low, high, speed, bend, strict=True):
         inside = np.linspace(a, b, 9)
         first, second, _ = (d(inside) for d in path.derivatives)

@@ -11,9 +11,11 @@ import pytest
 from plans import HIGH
 
 import jaxsusp as js
-from jaxsusp.plans import hold, plan_through
+from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.plans import plan_through
 from jaxsusp.trajectory.timelaw import TimeLaw
-from jaxsusp.verify.certificate import KINDS, TOLERANCE, certify
+from jaxsusp.verify.certificate import TOLERANCE, certify
+from jaxsusp.verify.company import KINDS
 
 HOOK = np.array([0.0, 0.0, 0.15])
 
@@ -34,8 +36,8 @@ def scenario_with(scenario, *obstacles, **changed):
 def check(scenario, points, **options):
     """Certify the smooth path through points, with the scenario's ends and arms that suit them."""
     law = TimeLaw.through(np.asarray(points, float), scenario.task.duration)
-    ends = np.array([robot.end for robot in scenario.robots])
-    return certify(scenario, law, ends, hold(scenario, law, ends, 40).chains, **options)
+    ends = np.array([[robot.end for robot in scenario.robots]])
+    return certify(Rigging.of(scenario, law, ends), **options)
 
 
 def signed_distance(obstacle, points: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from plans import LOW
 
 import jaxsusp as js
 from jaxsusp.verify.model import build_spec
-from jaxsusp.verify.simulation import export_model, simulate, winch_commands
+from jaxsusp.verify.simulation import commands, export_model, simulate
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_the_exported_model_is_the_simulated_one(plan, tmp_path):
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     data = mujoco.MjData(model)
     assert model.nu == 3
-    data.ctrl[:] = winch_commands(plan, np.zeros(1))[0]
+    data.ctrl[:] = commands(plan, np.zeros(1))[0]
     mujoco.mj_step(model, data, 1000)
     off = np.linalg.norm(data.body("load").xpos - plan.position[0])
     assert off < 2e-3

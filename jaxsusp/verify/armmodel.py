@@ -1,0 +1,122 @@
+"""The robots of a plan in a MuJoCo model: standing where the ends stay, driven where they move.
+
+A driven arm turns about the vertical at its shoulder (φ1) and in its own plane at shoulder and
+elbow (φ2, φ3); where bases roll they slide over the ground. Position servos hold all of these.
+They are as stiff as drives with gears are: under a cable of 100 N the end of a stretched arm of
+5 m gives way by 0.1 mm.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from jaxsusp._types import Float
+from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.verify.company import PARTS
+from jaxsusp.verify.engine import mujoco
+
+COLOR = (0.60, 0.64, 0.69, 1.0)
+
+ARMATURE = 1e3
+"""kg m² (kg of a base); inertia of the drives."""
+
+GAIN = 2.5e7
+"""N m/rad (N/m of a base)."""
+
+DAMPING = 2 * np.sqrt(GAIN * ARMATURE)
+"""N m s/rad; critical."""
+
+
+def add_robots(spec: Any, rigging: Rigging) -> None:
+    """Add columns, links and cable ends; driven arms with servos, in the order of `commands`."""
+    add = _add_driven if rigging.moves else _add_standing
+    for k in range(rigging.cables):
+        add(spec, rigging, k)
+
+
+def servo_names(rigging: Rigging) -> list[str]:
+    """Joints that servos hold: none where the ends stay."""
+    if not rigging.moves:
+        return []
+    bases = ("base x", "base y") if rigging.rolls else ()
+    return [
+        f"{name} {k + 1}"
+        for k in range(rigging.cables)
+        for name in (*bases, "joint 1", "joint 2", "joint 3")
+    ]
+
+
+def servo_positions(
+    rigging: Rigging, u: Float[np.ndarray, "times"]
+) -> Float[np.ndarray, "times servos"]:
+    """Where the servos are to be (m, rad)."""
+    if not rigging.moves:
+        return np.empty((len(u), 0))
+    ends = rigging.ends_at(u)
+    joints = rigging.joints_at(ends)
+    if rigging.rolls:
+        shift = (rigging.bases_at(ends) - rigging.bases)[..., :2]
+        joints = np.concatenate([shift, joints], axis=-1)
+    return joints.reshape(len(u), -1)
+
+
+def _add_standing(spec: Any, rigging: Rigging, k: int) -> None:
+    world, robot = spec.worldbody, rigging.scenario.robots[k]
+    chain = rigging.chains_at(rigging.ends_at(np.zeros(1)))[0, k]
+    for part, name in enumerate(PARTS):
+        radius = robot.link_radius if part else robot.column_radius
+        _capsule(world, f"{name} of robot {k + 1}", chain[part], chain[part + 1], radius)
+    _end(world, k, chain[3])
+
+
+def _add_driven(spec: Any, rigging: Rigging, k: int) -> None:
+    robot, number = rigging.scenario.robots[k], k + 1
+    kinds, origin = mujoco.mjtJoint, np.zeros(3)
+    a1, a2, a3 = (np.array([0.0, 0.0, length]) for length in robot.links)
+    foot = _body(spec.worldbody, f"robot {number}", robot.base)
+    if rigging.rolls:
+        for name, axis in (("base x", [1, 0, 0]), ("base y", [0, 1, 0])):
+            _servo(spec, foot, f"{name} {number}", kinds.mjJNT_SLIDE, axis)
+    _capsule(foot, f"column of robot {number}", origin, a1, robot.column_radius)
+    shoulder = _body(foot, f"shoulder {number}", a1)
+    _servo(spec, shoulder, f"joint 1 {number}", kinds.mjJNT_HINGE, [0, 0, 1])
+    upper = _body(shoulder, f"upper {number}", origin)
+    _servo(spec, upper, f"joint 2 {number}", kinds.mjJNT_HINGE, [0, 1, 0])
+    _capsule(upper, f"upper link of robot {number}", origin, a2, robot.link_radius)
+    lower = _body(upper, f"lower {number}", a2)
+    _servo(spec, lower, f"joint 3 {number}", kinds.mjJNT_HINGE, [0, 1, 0])
+    _capsule(lower, f"lower link of robot {number}", origin, a3, robot.link_radius)
+    _end(lower, k, a3)
+
+
+def _body(parent: Any, name: str, place: Any) -> Any:
+    """A body whose weight the drives carry."""
+    body = parent.add_body(name=name, pos=place, gravcomp=1)
+    body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
+    return body
+
+
+def _servo(spec: Any, body: Any, name: str, kind: Any, axis: list[int]) -> None:
+    """A joint and the position servo that holds it."""
+    joint = body.add_joint(name=name, type=kind, axis=axis)
+    joint.armature = ARMATURE
+    spec.add_actuator(
+        name=name,
+        target=name,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        gainprm=[GAIN, *[0] * 9],
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        biasprm=[0, -GAIN, -DAMPING, *[0] * 7],
+    )
+
+
+def _capsule(parent: Any, name: str, start: Any, stop: Any, radius: float) -> None:
+    parent.add_geom(
+        name=name, type=mujoco.mjtGeom.mjGEOM_CAPSULE, fromto=[*start, *stop],
+        size=[radius, 0, 0], rgba=COLOR, contype=0,
+    )  # fmt: skip
+
+
+def _end(parent: Any, k: int, place: Any) -> None:
+    parent.add_site(name=f"end {k + 1}", pos=place, size=[0.05] * 3, rgba=COLOR)
