@@ -19,9 +19,10 @@ from jaxsusp.constraints import (
     stability_of,
     tight_tension_limits,
 )
+from jaxsusp.geometry.arms import count_arm_contacts
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.cables import cable_lengths, cable_vectors, component
-from jaxsusp.mechanics.drives import Anchors, ends_along, moving
+from jaxsusp.mechanics.drives import Anchors, bases_along, ends_along, moving
 from jaxsusp.mechanics.statics import force_tensions, weight
 from jaxsusp.mechanics.tilting import estimated_turn
 from jaxsusp.trajectory.makima import makima
@@ -68,6 +69,13 @@ def ends_at(world: World, position: Vec3, drive: str) -> Vec3:
     """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode (§1)."""
     anchors = Anchors(world.start, world.bodies.attachments, world.bodies.ends)
     return ends_along(drive, position, anchors)
+
+
+def bases_at(world: World, ends: Vec3, drive: str) -> Vec3:
+    """Bases O_k (m) that carry ends (K, …), of the same shape."""
+    given = Vec3.from_array(jnp.asarray(world.robots.base))
+    anchors = Anchors(world.start, world.bodies.attachments, world.bodies.ends)
+    return bases_along(drive, ends, anchors, given)
 
 
 def tensions_at(
@@ -134,7 +142,9 @@ def fitness_terms(
     collisions = count_collisions(position, bodies, world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, ends)
     if moving(drive):
+        bases = bases_at(world, ends, drive)
         violations += count_misplaced(world, ends, drive)
+        violations += count_arm_contacts(world, position, ends, bases)
     elif world.bodies.attachments.x.shape[0] > 1:
         violations += count_turned(world, turn_at(world, position, tensions))
     step = position.each(_difference)

@@ -12,7 +12,6 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.batch import run_batch
-from jaxsusp.coordination.arms import build_robots
 from jaxsusp.coordination.ends import JointFitness, decode, joint_problem, place_ends
 from jaxsusp.coordination.leastvariance import moving_ends
 from jaxsusp.coordination.margins import MARGIN, with_ends_at, with_margins
@@ -259,13 +258,13 @@ def _joint(scenario: Scenario, settings: _Settings, waypoints: int, first: int) 
     """Plans with ends and waypoints from one search."""
     settings.told("searching")
     problem = joint_problem(with_margins(scenario, moving_ends=True), waypoints, settings.samples)
-    robots, fitness = build_robots(scenario), problem.fitness
+    fitness = problem.fitness
     assert isinstance(fitness, JointFitness)
     pairs = []
     for x in _minimise(problem, settings, first):
         with jax.enable_x64(True):
             inner, placed = fitness.split(np.asarray(x, np.float64))
-            ends = np.asarray(decode(robots, jnp.asarray(placed)))
+            ends = np.asarray(decode(fitness.world.robots, jnp.asarray(placed)))
         pairs.append((np.asarray(inner), ends))
     yield from _checked(scenario, settings, pairs)
 

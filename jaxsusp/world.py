@@ -38,12 +38,29 @@ class Limits(NamedTuple):
 
 
 class Robots(NamedTuple):
-    """What of the arms decides where their ends may be (m)."""
+    """The K robots (m, rad); joints without limits have infinite ones."""
 
-    base: Vec3
-    shoulder: Vec3  # top of the column
-    nearest: Float[Array, "*stack cables"]  # least distance of the end from the shoulder
-    farthest: Float[Array, "*stack cables"]
+    base: Float[Array, "*stack cables xyz"]
+    links: Float[Array, "*stack cables joints"]
+    radius: Float[Array, "*stack cables parts=3"]  # of column, upper and lower link
+    joint_low: Float[Array, "*stack cables joints"]
+    joint_high: Float[Array, "*stack cables joints"]
+
+    @property
+    def shoulder(self) -> Vec3:
+        """Tops of the columns."""
+        base = Vec3.from_array(jnp.asarray(self.base))
+        return base._replace(z=base.z + self.links[..., 0])
+
+    @property
+    def nearest(self) -> Float[Array, "*stack cables"]:
+        """Least distance of an end from the shoulder."""
+        return jnp.abs(jnp.asarray(self.links[..., 1] - self.links[..., 2]))
+
+    @property
+    def farthest(self) -> Float[Array, "*stack cables"]:
+        """Greatest distance of an end from the shoulder."""
+        return jnp.asarray(self.links[..., 1] + self.links[..., 2])
 
 
 class Shape(NamedTuple):
@@ -127,7 +144,7 @@ def build_world(scenario: "Scenario", counts: tuple[int, int, int] | None = None
         weights=np.asarray(scenario.fitness.weights, np.float64),
         kappa=_scalar(scenario.fitness.kappa),
         center_of_mass=_vector(payload.center_of_mass),
-        robots=_robots(robots),
+        robots=_robots(scenario),
     )
 
 
@@ -171,12 +188,18 @@ def _limits(limits) -> Limits:
     return Limits(*map(_scalar, numbers))
 
 
-def _robots(robots) -> Robots:
-    links = np.array([robot.links for robot in robots], np.float64)
-    base = np.array([robot.base for robot in robots], np.float64)
-    shoulder = base + links[:, :1] * np.array([0.0, 0.0, 1.0])
-    _, a2, a3 = links.T
-    return Robots(_vector(base), _vector(shoulder), np.abs(a2 - a3), a2 + a3)
+def _robots(scenario: "Scenario") -> Robots:
+    robots, limits = scenario.robots, scenario.limits.joint_limits_deg
+    ranges = np.tile([-np.inf, np.inf], (len(robots), 3, 1))
+    if limits is not None:
+        ranges = np.broadcast_to(np.deg2rad(np.array(limits)), ranges.shape)
+    return Robots(
+        np.array([robot.base for robot in robots], np.float64),
+        np.array([robot.links for robot in robots], np.float64),
+        np.array([[robot.column_radius, *[robot.link_radius] * 2] for robot in robots]),
+        np.ascontiguousarray(ranges[..., 0]),
+        np.ascontiguousarray(ranges[..., 1]),
+    )
 
 
 def _vector(rows) -> Vec3:

@@ -17,7 +17,6 @@ import numpy as np
 from jaxsusp._types import Array, Float
 from jaxsusp.batch import run_batch
 from jaxsusp.constraints import count_turned, count_violations
-from jaxsusp.coordination.arms import Robots, build_robots, choose_postures, separation_slack
 from jaxsusp.errors import InputError, require_count, require_seed
 from jaxsusp.fitness import (
     fitness_terms,
@@ -26,6 +25,7 @@ from jaxsusp.fitness import (
     trajectory,
     turn_at,
 )
+from jaxsusp.geometry.arms import ARM_MARGIN, choose_postures, separation_slack
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
@@ -34,16 +34,13 @@ from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.problem import Problem, require_plannable, stack_problems
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World, build_world, cast_world, rounded_counts
+from jaxsusp.world import Robots, World, build_world, cast_world, rounded_counts
 
 HEIGHTS = (4.2, 8.8)
 """m; heights in which ends are placed (spec §1), as far as every robot reaches."""
 
 INSIDE_REACH = 1e-3
 """m by which placed ends stay inside the reach, so that rounding cannot put them outside."""
-
-ARM_MARGIN = 0.02
-"""m of clearance of arms beyond what is required: they are looked at at the samples only."""
 
 
 class EndValue(NamedTuple):
@@ -61,13 +58,12 @@ class EndFitness:
     """f3 + f4 + κ · faults of (z, x1, y1, x2, …) for a given load trajectory."""
 
     world: World
-    robots: Robots
     position: Any  # (samples, xyz), m; a leaf of a pytree: may be stacked, or a placeholder
 
     def terms(self, x: Float[Array, "dim"]) -> EndValue:
         """All that a placement is judged by, in the dtype of x."""
-        world, robots = cast_world(self.world, x.dtype), _cast(self.robots, x.dtype)
-        ends = decode(robots, x)
+        world = cast_world(self.world, x.dtype)
+        ends = decode(world.robots, x)
         world = world._replace(bodies=world.bodies._replace(ends=Vec3.from_array(ends)))
         position = Vec3.from_array(jnp.asarray(self.position, x.dtype))
         lengths, tensions = tensions_at(world, position)
@@ -75,7 +71,7 @@ class EndFitness:
         counts = [
             count_collisions(position, world.bodies, world.obstacles),
             count_violations(world, position, lengths, tensions, with_stability=True),
-            arm_faults(world, robots, position, ends),
+            arm_faults(world, position, ends),
         ]
         if len(world.bodies.attachments.x) > 1:
             counts.append(count_turned(world, turn_at(world, position, tensions)))
@@ -96,30 +92,29 @@ class JointFitness:
     """Eq. 21 of waypoints and ends at once: x holds 3m coordinates, then 2K + 1."""
 
     world: World
-    robots: Robots
     samples: int = field(metadata={"static": True})
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """All terms of Eq. 21 for these ends, and κ per arm that is in the way."""
-        world, robots = cast_world(self.world, x.dtype), _cast(self.robots, x.dtype)
+        world = cast_world(self.world, x.dtype)
         waypoints, placed = self.split(x)
-        ends = decode(robots, placed)
+        ends = decode(world.robots, placed)
         world = world._replace(bodies=world.bodies._replace(ends=Vec3.from_array(ends)))
         terms = fitness_terms(world, waypoints, self.samples, with_stability=True)
         position = trajectory(world, waypoints, self.samples)
-        faults = arm_faults(world, robots, position, ends)
+        faults = arm_faults(world, position, ends)
         return terms.total + world.kappa * faults.astype(x.dtype)
 
     def split(self, x: Float[Array, "*batch dim"]) -> tuple[Array, Array]:
         """Waypoint variables and end variables."""
-        ends = 2 * len(self.robots.base) + 1
+        ends = 2 * self.world.cables + 1
         return x[..., :-ends], x[..., -ends:]
 
 
-def arm_faults(world: World, robots: Robots, position: Vec3, ends: Array) -> Array:
+def arm_faults(world: World, position: Vec3, ends: Array) -> Array:
     """Arms that come too close to something, and robots that come too close to each other."""
-    posture = choose_postures(world, robots, position, ends)
-    apart = separation_slack(robots, posture.chains)
+    posture = choose_postures(world, position, ends)
+    apart = separation_slack(world, posture.chains)
     arms = (posture.slack < ARM_MARGIN).sum(dtype=jnp.int32)
     return arms + (apart < ARM_MARGIN).astype(jnp.int32)
 
@@ -241,7 +236,7 @@ def end_problem(scenario: Scenario, position) -> Problem:
     """The placement as a problem of 2K + 1 variables, in float32."""
     lower, upper = end_bounds(scenario)
     world = build_world(scenario, rounded_counts(scenario))
-    fitness = EndFitness(world, build_robots(scenario), np.asarray(position, np.float64))
+    fitness = EndFitness(world, np.asarray(position, np.float64))
     return Problem(fitness, lower.astype(np.float32), upper.astype(np.float32))
 
 
@@ -251,7 +246,7 @@ def joint_problem(scenario: Scenario, waypoints: int = 5, samples: int = 40) -> 
     load = Problem.from_scenario(scenario, waypoints, samples, "box", dtype=np.float32)
     lower, upper = (bound.astype(np.float32) for bound in end_bounds(scenario))
     world = build_world(scenario, rounded_counts(scenario))
-    fitness = JointFitness(world, build_robots(scenario), samples)
+    fitness = JointFitness(world, samples)
     return Problem(
         fitness, np.append(load.lower, lower), np.append(load.upper, upper),
         np.append(load.reference, (lower + upper) / 2),
@@ -271,13 +266,9 @@ def evaluate_ends(problem: Problem, x: Float[Array, "dim"]) -> Placement:
 
 @jax.jit
 def _evaluate(fitness: EndFitness, x):
-    world, robots = cast_world(fitness.world, x.dtype), _cast(fitness.robots, x.dtype)
-    ends = decode(robots, x)
+    world = cast_world(fitness.world, x.dtype)
+    ends = decode(world.robots, x)
     world = world._replace(bodies=world.bodies._replace(ends=Vec3.from_array(ends)))
     position = Vec3.from_array(jnp.asarray(fitness.position, x.dtype))
     lengths, _ = tensions_at(world, position)
     return ends, jnp.stack([length.max() for length in lengths]), fitness.terms(x)
-
-
-def _cast(robots: Robots, dtype) -> Robots:
-    return Robots(*(jnp.asarray(leaf, dtype) for leaf in robots))

@@ -14,8 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Bool, Float
-from jaxsusp.coordination.arms import build_robots, choose_elbows
 from jaxsusp.fitness import ends_at
+from jaxsusp.geometry.arms import choose_elbows
 from jaxsusp.loads import Loads, cable_loads
 from jaxsusp.mechanics import arm
 from jaxsusp.mechanics.drives import moving
@@ -62,8 +62,7 @@ class Rigging:
                 build_world(self.scenario, rounded_counts(self.scenario)), jnp.float64
             )
             arrays = self.law.path.curve(u), ends, self.bases_at(ends)
-            robots = build_robots(self.scenario)
-            return np.asarray(_choose_elbows(world, robots, *map(jnp.asarray, arrays)))
+            return np.asarray(_choose_elbows(world, *map(jnp.asarray, arrays)))
 
     @property
     def moves(self) -> bool:

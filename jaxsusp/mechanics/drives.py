@@ -82,10 +82,13 @@ def _rolled(position: Vec3, anchors: Anchors, k: int) -> Vec3:
 
 
 def bases_along(drive: str, ends: Vec3, anchors: Anchors, bases: Vec3) -> Vec3:
-    """Bases O_k (m) that go with ends: they roll with them in mode "base" and stay otherwise."""
-    if drive != "base":
-        return bases
+    """Bases O_k (m) that go with ends (K, …), of the ends' shape.
+
+    They roll with the ends in mode "base" and stay otherwise.
+    """
     shape = (-1,) + (1,) * (ends.x.ndim - 1)
+    if drive != "base":
+        return bases.each(lambda c: jnp.broadcast_to(c.reshape(shape), ends.x.shape))
     offset = (bases - anchors.ends).each(lambda c: c.reshape(shape))
     return Vec3(
         ends.x + offset.x,

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from plans import LOW
 
 import jaxsusp as js
-from jaxsusp.coordination.arms import build_robots, choose_postures, separation_slack
 from jaxsusp.coordination.ends import decode, encode, end_bounds, end_problem, evaluate_ends
+from jaxsusp.geometry.arms import choose_postures, separation_slack
 from jaxsusp.mechanics import arm
 from jaxsusp.plans import plan_through, sample_path
 from jaxsusp.vec3 import Vec3
@@ -30,7 +30,7 @@ decoded = jax.jit(decode)
 def test_whatever_the_variables_the_ends_are_in_reach(unit):
     scenario = js.load_scenario("scenario-1")
     lower, upper = end_bounds(scenario)
-    robots = build_robots(scenario)
+    robots = build_world(scenario).robots
     for dtype in (np.float32, np.float64):
         x = (lower + (upper - lower) * np.array(unit)).astype(dtype)
         cast = type(robots)(*(jnp.asarray(leaf, dtype) for leaf in robots))
@@ -42,7 +42,9 @@ def test_whatever_the_variables_the_ends_are_in_reach(unit):
 
 def test_ends_in_reach_are_left_where_they_are(scenarios):
     ends = np.array([robot.end for robot in scenarios[0].robots])
-    np.testing.assert_allclose(decode(build_robots(scenarios[0]), encode(ends)), ends, atol=1e-9)
+    np.testing.assert_allclose(
+        decode(build_world(scenarios[0]).robots, encode(ends)), ends, atol=1e-9
+    )
 
 
 def test_the_given_ends_are_worth_what_eq_21_says(scenarios, path):
@@ -76,7 +78,7 @@ def test_the_printed_table_2_is_out_of_reach(scenarios):
         paper.__file__.replace("report/paper.py", "data/paper/tables2_3.csv"),
         delimiter=",", skip_header=1, usecols=(1, 2, 3, 4),
     )  # fmt: skip
-    robots = build_robots(scenarios[0])
+    robots = build_world(scenarios[0]).robots
     for robot, *end in printed:
         k = int(robot) - 1
         assert not arm.reachable(robots.base[k], robots.links[k], np.array(end))
@@ -87,10 +89,10 @@ def test_what_is_in_the_way_of_an_arm_is_noticed(scenarios):
     from jaxsusp.geometry.segments import segment_distance
 
     scenario = scenarios[0].model_copy(update={"obstacles": ()})
-    world, robots = build_world(scenario, (4, 2, 2)), build_robots(scenario)
+    world = build_world(scenario, (4, 2, 2))
     position = Vec3(*(jnp.linspace(a, b, 5) for a, b in ((0.0, 0.5), (2.0, -2.0), (1.0, 3.0))))
     ends = jnp.array([robot.end for robot in scenario.robots])
-    found = jax.jit(choose_postures)(world, robots, position, ends)
+    found = jax.jit(choose_postures)(world, position, ends)
     chains = np.asarray(found.chains)
 
     def apart(a, b, c, d):
@@ -111,4 +113,4 @@ def test_what_is_in_the_way_of_an_arm_is_noticed(scenarios):
         - (0.08 if a else 0.12) - (0.08 if b else 0.12)
         for j, k in ((0, 1), (0, 2), (1, 2)) for a in range(3) for b in range(3)
     )  # fmt: skip
-    assert float(separation_slack(robots, found.chains)) == pytest.approx(between - 0.5, abs=1e-9)
+    assert float(separation_slack(world, found.chains)) == pytest.approx(between - 0.5, abs=1e-9)

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxsusp._types import Array, Bool, Float
+from jaxsusp._types import Array, Bool, Float, Int
 from jaxsusp.geometry.obstacles import Obstacles
 from jaxsusp.geometry.segments import (
     segment_distance,
@@ -18,40 +18,14 @@ from jaxsusp.geometry.segments import (
     segment_meets_sphere,
 )
 from jaxsusp.mechanics import arm
-from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World
+from jaxsusp.world import Robots, World
 
 PARTS = 3
 """Bodies of an arm: column, upper link, lower link."""
 
-
-class Robots(NamedTuple):
-    """The K robots of a scenario (m, rad)."""
-
-    base: Float[Array, "cables xyz"]
-    links: Float[Array, "cables joints"]
-    radius: Float[Array, "cables parts=3"]
-    joint_low: Float[Array, "cables joints"]
-    joint_high: Float[Array, "cables joints"]
-    separation: Float[Array, ""]
-
-
-def build_robots(scenario: Scenario) -> Robots:
-    """Scenario → Robots, float64 on the host. Joints without limits have infinite ones."""
-    robots, limits = scenario.robots, scenario.limits.joint_limits_deg
-    count = len(robots)
-    ranges = np.tile([-np.inf, np.inf], (count, 3, 1))
-    if limits is not None:
-        ranges = np.broadcast_to(np.deg2rad(np.array(limits)), (count, 3, 2))
-    return Robots(
-        np.array([robot.base for robot in robots], np.float64),
-        np.array([robot.links for robot in robots], np.float64),
-        np.array([[robot.column_radius, *[robot.link_radius] * 2] for robot in robots]),
-        np.ascontiguousarray(ranges[..., 0]),
-        np.ascontiguousarray(ranges[..., 1]),
-        np.array(scenario.limits.separation, np.float64),
-    )
+ARM_MARGIN = 0.02
+"""m of clearance of arms beyond what is required: they are looked at at the samples only."""
 
 
 class Posture(NamedTuple):
@@ -63,9 +37,7 @@ class Posture(NamedTuple):
     elbow_up: Bool[Array, "cables"]
 
 
-def choose_postures(
-    world: World, robots: Robots, position: Vec3, ends: Float[Array, "cables xyz"]
-) -> Posture:
+def choose_postures(world: World, position: Vec3, ends: Float[Array, "cables xyz"]) -> Posture:
     """Elbow up (spec §1), or down where the elbow would be in the way and down is better.
 
     An arm whose elbow is up leans over its own column, where its own cable may pass: with the
@@ -73,12 +45,11 @@ def choose_postures(
     the load, the cables of others, and the own cable as far as column and upper link go.
 
     Args:
-        world: obstacles, load and distances required.
-        robots: the robots.
+        world: robots, obstacles, load and distances required.
         position: the load's centre at samples along axis 0 (m).
         ends: P_k (m).
     """
-    joints, chains, slack = _branches(world, robots, position, ends)
+    joints, chains, slack = _branches(world, world.robots, position, ends)
     up = _prefer(slack)
     return Posture(
         jnp.where(up[:, None], *joints),
@@ -90,18 +61,46 @@ def choose_postures(
 
 def choose_elbows(
     world: World,
-    robots: Robots,
     position: Float[Array, "samples xyz"],
     ends: Float[Array, "samples cables xyz"],
     bases: Float[Array, "samples cables xyz"],
 ) -> Bool[Array, "cables"]:
     """Elbow up or down of arms that move, one choice per robot for the whole motion."""
+    return _prefer(_slacks(world, position, ends, bases).min(axis=0))
+
+
+def count_arm_contacts(
+    world: World, position: Vec3, ends: Vec3, bases: Vec3
+) -> Int[Array, "*batch"]:
+    """Number of (sample, robot) at which an arm that moves is too close to something.
+
+    Of every robot with the elbow that is in the way less often. Looked at at the samples only.
+
+    Args:
+        world: robots, obstacles, load and distances required.
+        position: the load's centre, samples on axis 0, any trailing batch axes (m).
+        ends: P_k packed (K, samples, …) (m).
+        bases: O_k packed (K, samples, …) (m).
+    """
+    batch = position.x.shape[1:]
+    where = position.to_array().reshape(len(position.x), -1, 3)
+    held, feet = (
+        jnp.moveaxis(each.to_array(), 0, -2).reshape(*where.shape[:2], -1, 3)
+        for each in (ends, bases)
+    )
+    slack = jax.vmap(_slacks, in_axes=(None, 1, 1, 1))(world, where, held, feet)
+    faulty = (slack < ARM_MARGIN).sum(axis=1, dtype=jnp.int32)  # (batch, elbows, robots)
+    return faulty.min(axis=1).sum(axis=-1).reshape(batch)
+
+
+def _slacks(world: World, position, ends, bases) -> Float[Array, "samples elbows=2 cables"]:
+    """Slack at every sample with elbows up, then down."""
 
     def at(where: Array, end: Array, base: Array) -> Array:
         still = Vec3.from_array(where[None])
-        return _branches(world, robots._replace(base=base), still, end)[2]
+        return _branches(world, world.robots._replace(base=base), still, end)[2]
 
-    return _prefer(jax.vmap(at)(position, ends, bases).min(axis=0))
+    return jax.vmap(at)(position, ends, bases)
 
 
 def _branches(world: World, robots: Robots, position: Vec3, ends) -> tuple[Array, Array, Array]:
@@ -120,7 +119,7 @@ def _prefer(slack: Float[Array, "elbows=2 cables"]) -> Bool[Array, "cables"]:
     return jnp.logical_or(slack[0] >= 0, slack[0] >= slack[1])
 
 
-def separation_slack(robots: Robots, chains: Float[Array, "cables points=4 xyz"]) -> Array:
+def separation_slack(world: World, chains: Float[Array, "cables points=4 xyz"]) -> Array:
     """Least distance between arms, or ends, of different robots beyond what is required (m)."""
     one, other = np.triu_indices(len(chains), 1)
     starts, stops = _parts(chains)
@@ -132,10 +131,11 @@ def separation_slack(robots: Robots, chains: Float[Array, "cables points=4 xyz"]
         *(pick(points, one, 2) for points in (starts, stops)),
         *(pick(points, other, 1) for points in (starts, stops)),
     )  # (pairs, parts, parts)
-    gap = gap - robots.radius[one][:, :, None] - robots.radius[other][:, None, :]
+    radius = jnp.asarray(world.robots.radius)
+    gap = gap - radius[one][:, :, None] - radius[other][:, None, :]
     ends = chains[one, 3] - chains[other, 3]
     apart = jnp.sqrt((ends**2).sum(axis=-1))
-    return jnp.minimum(gap.min(), apart.min()) - robots.separation
+    return jnp.minimum(gap.min(), apart.min()) - world.limits.separation
 
 
 def _slack(world: World, robots: Robots, position: Vec3, ends, chains) -> Float[Array, "cables"]:
