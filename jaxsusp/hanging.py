@@ -1,10 +1,11 @@
 """How the load of a scenario hangs at given positions: posture, tensions, residuals, stability.
 
-This is the statics of the constraint report (Eq. 22): a finished plan asks at every sample whether
-the load is in equilibrium there, how far it turns, and whether it stays.
+This is the statics behind the constraint report (Eq. 22): a finished plan asks all along its way
+whether the load is in equilibrium, how far it turns, and whether it stays (`jaxsusp.loads`).
 """
 
-from collections.abc import Iterator, Sequence
+import functools
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -25,6 +26,9 @@ from jaxsusp.mechanics.statics import GRAVITY, force_tensions
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3, cross, norm
 from jaxsusp.world import World, build_world, cast_world
+
+BLOCK = 256
+"""Positions that are looked at together."""
 
 
 class Hanging(NamedTuple):
@@ -95,54 +99,37 @@ def equilibrium(
             held = jnp.asarray(ends, dtype)
         held = jnp.broadcast_to(held, (*where.shape[:-1], world.cables, 3))
         flat = where.reshape(-1, 3), gravity.reshape(-1, 3), held.reshape(-1, world.cables, 3)
-        find = _at_hook if hook else _turned
-        found = find(world, *flat, jnp.asarray(start, dtype))
+        find = functools.partial(_at_hook if hook else _turned, world, jnp.asarray(start, dtype))
+        found = _in_blocks(find, flat)
         return jax.tree.map(lambda leaf: leaf.reshape(*where.shape[:-1], *leaf.shape[1:]), found)
 
 
-def hanging_problems(
-    scenario: Scenario,
-    position: Float[Array, "samples xyz"] | Sequence,
-    acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
-    ends: Float[Array, "*#batch cables xyz"] | Sequence | None = None,
-) -> list[str]:
-    """Why a load carried along these positions would not hang as planned; empty if it does.
-
-    One line per reason with the worst sample: no equilibrium, turned too far, not stable.
-    """
-    found = jax.tree.map(np.asarray, equilibrium(scenario, position, acceleration, ends=ends))
-    return [
-        f"sample {sample}: {what} ({int(flags.sum())} of {flags.size} samples)"
-        for what, sample, flags in _troubles(found, scenario.limits.posture_deg)
-    ]
+def _in_blocks(find: Callable[..., Hanging], rows: tuple[Array, ...]) -> Hanging:
+    """Apply a compiled function to blocks of one size, so that it is compiled but once."""
+    count = len(rows[0])
+    blocks = max(1, -(-count // BLOCK))
+    rows = tuple(
+        jnp.pad(each, [(0, blocks * BLOCK - count)] + [(0, 0)] * (each.ndim - 1)) for each in rows
+    )
+    found = [find(*(each[i * BLOCK : (i + 1) * BLOCK] for each in rows)) for i in range(blocks)]
+    return jax.tree.map(lambda *leaves: jnp.concatenate(leaves)[:count], *found)
 
 
 def hanging_trouble(scenario: Scenario, position: Float[Array, "xyz"] | Sequence) -> str:
-    """Why a load does not hang near level at one position; empty if it does."""
-    found = jax.tree.map(np.asarray, equilibrium(scenario, np.asarray(position)[None]))
-    return "; ".join(what for what, _, _ in _troubles(found, scenario.limits.posture_deg))
-
-
-def _troubles(found: Hanging, limit: float) -> Iterator[tuple[str, int, np.ndarray]]:
-    """What is wrong with a hanging, its worst sample, and all samples that have it."""
-    turn = np.rad2deg(found.turn)
-    if not found.balanced.all():
-        worst = int(np.argmax(np.where(found.balanced, -1, found.moment + found.force)))
-        yield (
-            f"no equilibrium: with the cables' best tensions {found.force[worst]:.3g} N and "
-            f"{found.moment[worst]:.3g} N m are missing", worst, ~found.balanced,
-        )  # fmt: skip
-    beyond = found.balanced & ~(turn <= limit)
-    if beyond.any():
-        worst = int(np.argmax(np.where(beyond, turn, -1)))
-        yield (
-            f"level is no equilibrium: the load turns by {turn[worst]:.3g}°, more than "
-            f"limits.posture_deg = {limit:g}", worst, beyond,
-        )  # fmt: skip
-    loose = found.balanced & ~found.stable
-    if loose.any():
-        worst = int(np.argmin(np.where(loose, found.stiffness, np.inf)))
-        yield "the equilibrium is not stable", worst, loose
+    """Why a load does not hang near level and steadily at a position; empty if it does."""
+    found = equilibrium(scenario, position)
+    limit, turn = scenario.limits.posture_deg, float(np.rad2deg(found.turn))
+    if not found.balanced:
+        return (
+            f"no posture is an equilibrium: with the cables' best tensions "
+            f"{float(found.force):.3g} N and {float(found.moment):.3g} N m are missing"
+        )
+    if not turn <= limit:
+        return (
+            f"level is no equilibrium: the load turns by {turn:.3g}°, more than "
+            f"limits.posture_deg = {limit:g}"
+        )
+    return "" if found.stable else "the equilibrium is not stable"
 
 
 def require_fixed_ends_if_separate(scenario: Scenario) -> None:
@@ -167,7 +154,7 @@ def _packed_last(ends: Vec3) -> Float[Array, "*batch cables xyz"]:
 
 
 @jax.jit
-def _turned(world: World, position: Array, gravity: Array, ends: Array, start: Array) -> Hanging:
+def _turned(world: World, start: Array, position: Array, gravity: Array, ends: Array) -> Hanging:
     def one(where: Array, field: Array, ends: Array) -> Hanging:
         load = _load(world, field)
         if world.cables == 3:
@@ -181,7 +168,7 @@ def _turned(world: World, position: Array, gravity: Array, ends: Array, start: A
 
 
 @jax.jit
-def _at_hook(world: World, position: Array, gravity: Array, ends: Array, start: Array) -> Hanging:
+def _at_hook(world: World, start: Array, position: Array, gravity: Array, ends: Array) -> Hanging:
     where, field = Vec3.from_array(position), Vec3.from_array(gravity)
     packed = Vec3.from_array(jnp.moveaxis(ends, -2, 0))
     vectors = cable_vectors(where, world.bodies.attachments, packed)

@@ -63,11 +63,19 @@ def cable_loads(
         if scenario.payload.attachments != "hook":
             return _turned(scenario, world, where, acceleration, held)
         found = _at_hook(world, where, jnp.asarray(acceleration), jnp.asarray(held))
-        level = np.tile(np.eye(3), (count, 1, 1))
-        nothing = np.zeros(count)
-        balanced = np.ones(count, bool)
-        rest = level, nothing, balanced, nothing, np.full(count, np.inf)
-        return Loads(*map(np.asarray, found), *rest)
+        lengths, static, tensions, factor = map(np.asarray, found)
+    nothing = np.zeros(count)
+    return Loads(
+        lengths,
+        static,
+        tensions,
+        factor,
+        np.tile(np.eye(3), (count, 1, 1)),
+        turn=nothing,
+        balanced=np.ones(count, bool),
+        missing=nothing,
+        stiffness=np.full(count, np.inf),
+    )
 
 
 @jax.jit
@@ -86,21 +94,22 @@ def _at_hook(world: World, position, acceleration, ends) -> tuple[Array, ...]:
 def _turned(scenario: Scenario, world: World, position, acceleration, ends) -> Loads:
     """Of a load that turns until its moments balance."""
     static = equilibrium(scenario, position, ends=ends)
-    moving: Hanging = jax.tree.map(
-        np.asarray, equilibrium(scenario, position, acceleration, ends=ends)
-    )
-    held = np.where(np.asarray(static.balanced)[:, None], np.asarray(static.tensions), np.nan)
+    moving = equilibrium(scenario, position, acceleration, ends=ends)
+
+    def balanced(found: Hanging) -> np.ndarray:
+        return np.where(np.asarray(found.balanced)[:, None], np.asarray(found.tensions), np.nan)
+
     packed = Vec3.from_array(jnp.moveaxis(jnp.asarray(ends), -2, 0))
-    columns = list(jnp.asarray(held).T)
+    columns = list(jnp.asarray(balanced(static)).T)
     factor = stability_of(world, Vec3.from_array(position), columns, packed)
     return Loads(
-        moving.lengths,
-        held,
-        np.where(moving.balanced[:, None], moving.tensions, np.nan),
+        np.asarray(moving.lengths),
+        balanced(static),
+        balanced(moving),
         np.asarray(factor),
-        moving.posture,
-        moving.turn,
-        moving.balanced,
-        moving.moment,
-        moving.stiffness,
+        np.asarray(moving.posture),
+        np.asarray(moving.turn),
+        np.asarray(moving.balanced),
+        np.asarray(moving.moment),
+        np.asarray(moving.stiffness),
     )

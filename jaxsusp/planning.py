@@ -24,7 +24,7 @@ from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.plans import Plan, plan_through, sample_path
-from jaxsusp.problem import Problem, require_plannable, stack_problems
+from jaxsusp.problem import Problem, Suspension, require_plannable, stack_problems
 from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.search import SEARCHES
 from jaxsusp.trajectory.gentle import gently
@@ -278,7 +278,9 @@ def _alternating(
     held = static_tensions(scenario, task)
     best: Plan | None = None
     if attempt.fresh_ends or not ((held >= low) & (held <= high)).all():
-        position = np.linspace(*task, settings.samples)  # ends for the straight line come first
+        position = np.linspace(
+            task[0], task[1], settings.samples
+        )  # ends for the straight line come first
     else:
         best = _first_good(_given(scenario, settings, attempt.waypoints, first))
         yield best
@@ -354,7 +356,9 @@ def _search(
     """Waypoints that the search found, refined, best first; `known` joins the candidates."""
     problem = _problem(with_margins(scenario), settings, waypoints)
     if not with_cables:
-        problem = problem.with_fitness(replace(problem.fitness, with_cables=False))
+        suspension = problem.fitness
+        assert isinstance(suspension, Suspension)
+        problem = problem.with_fitness(replace(suspension, with_cables=False))
     settings.told("searching")
     extra = None
     if known is not None and len(known.waypoints) == waypoints:

@@ -1,4 +1,4 @@
-"""Waypoints of two good plans, found once, so that tests of plans need no search."""
+"""Waypoints of good plans, found once, so that tests of plans need no search."""
 
 import numpy as np
 
@@ -23,3 +23,14 @@ HIGH = np.array(
     ]
 )
 """Of scenario-6."""
+
+ROLLING = np.array(
+    [
+        [-1.352, 0.734, 0.599],
+        [-1.741, 0.712, 0.47],
+        [-2.506, 0.97, 1.021],
+        [-2.408, 1.044, 2.031],
+        [-0.708, 0.475, 2.819],
+    ]
+)
+"""Of base-driven."""

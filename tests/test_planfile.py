@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from plans import LOW
+from plans import LOW, ROLLING
 
 import jaxsusp as js
 from jaxsusp.planfile import ARRAYS, digest, dumps
@@ -42,6 +42,29 @@ def test_a_plan_loads_back_exactly(plan, file):
     assert loaded.settings == plan.settings
     assert (loaded.feasible, loaded.reasons) == (plan.feasible, plan.reasons)
     assert dumps(loaded) == file.read_text()
+
+
+def test_a_plan_with_moving_ends_loads_back_exactly(tmp_path):
+    plan = js.plan_through(js.load_scenario("base-driven"), ROLLING)
+    plan.save(tmp_path / "plan.json")
+    loaded = js.load_plan(tmp_path / "plan.json")
+    assert loaded.ends.shape == loaded.end_path.shape == (40, 3, 3)
+    for field in ARRAYS:
+        np.testing.assert_array_equal(getattr(loaded, field), getattr(plan, field), strict=True)
+    times = np.linspace(0, 40, 7)
+    np.testing.assert_array_equal(loaded.ends_at(times), plan.ends_at(times))
+
+
+def test_a_file_of_the_first_schema_is_read(plan, file):
+    def back(document):
+        document.update(schema=1)
+        for new in ("end_path_m", "angles_rad"):
+            del document[new]
+
+    rewrite(file, back)
+    loaded = js.load_plan(file)
+    for field in ARRAYS:
+        np.testing.assert_array_equal(getattr(loaded, field), getattr(plan, field), strict=True)
 
 
 def test_the_file_is_plain_json_with_units_in_its_names(file):

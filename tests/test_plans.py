@@ -4,11 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from plans import LOW
+from plans import LOW, ROLLING
+from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
 from jaxsusp.mechanics import arm
-from jaxsusp.verify.limits import Check
+from jaxsusp.verify.limits import TURN, Check
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +110,7 @@ def test_joint_limits_and_workspace_are_checked(plan):
         ([[0.0, 0.0]], None, "waypoints"),
         ([[0.0, np.nan, 1.0]], None, "waypoints"),
         (LOW, [[0.0, 6.0, 7.0]], "one per robot"),
+        (LOW, [[0.0, np.nan, 7.0]] * 3, "finite"),
     ],
 )
 def test_bad_shapes_are_refused(scenarios, waypoints, ends, message):
@@ -116,10 +118,106 @@ def test_bad_shapes_are_refused(scenarios, waypoints, ends, message):
         js.plan_through(scenarios[0], waypoints, ends)
 
 
-def test_other_systems_are_refused(scenarios):
-    moving = scenarios[0].model_copy(update={"drive": "end"})
-    with pytest.raises(js.InputError, match="drive"):
-        js.plan_through(moving, LOW)
+def test_systems_whose_hanging_is_left_open_are_refused():
+    rim = js.load_scenario("rim").model_copy(update={"drive": "end"})
+    with pytest.raises(js.InputError, match=r'drive = "end" with separate payload.attachments'):
+        js.plan_through(rim, LOW)
+
+
+# Separate attachments
+
+ON_THE_RIM = [(-0.9, 1.2, 1.2), (-0.3, 1.4, 1.5), (0.5, 0.8, 1.9)]
+
+
+def test_a_load_on_a_rim_is_planned_in_its_equilibrium_posture():
+    scenario = js.load_scenario("rim")
+    plan = js.plan_through(scenario, ON_THE_RIM)
+    assert plan.feasible, plan.reasons
+    assert 1 < np.rad2deg(np.abs(plan.angles).max()) < 10
+    posture = Rotation.from_euler("xyz", plan.angles).as_matrix()  # extrinsic: Rz Ry Rx
+    arms = np.einsum("nij,kj->nki", posture, np.array(scenario.payload.attachments))
+    cables = plan.ends - (plan.position[:, None] + arms)
+    np.testing.assert_allclose(np.linalg.norm(cables, axis=-1), plan.lengths, atol=1e-9)
+    pull = plan.tensions[..., None] * cables / plan.lengths[..., None]
+    needed = 10 * (plan.acceleration + np.array([0, 0, 9.81]))
+    np.testing.assert_allclose(pull.sum(axis=1), needed, atol=1e-6)
+    np.testing.assert_allclose(np.cross(arms, pull).sum(axis=1), 0, atol=1e-6)
+    names = {each.name for each in plan.report}
+    assert names >= {TURN, "stiffness of the equilibrium", "moment that no tension balances"}
+    assert limit(plan, "stiffness of the equilibrium").value > 100
+
+
+def test_a_level_plan_that_is_no_equilibrium_is_refused_with_that_reason():
+    scenario = changed(js.load_scenario("rim"), limits={"posture_deg": 6.0})
+    bad = js.plan_through(scenario, [(-1.0, 1.6, 1.2), (-0.3, 2.3, 1.7), (0.5, 0.8, 1.9)])
+    assert not bad.feasible
+    (reason,) = (each for each in bad.reasons if each.startswith("level is no equilibrium"))
+    assert "turn of the load from level is" in reason
+    assert "allowed is at most 6 °" in reason
+
+
+def test_a_task_whose_start_is_no_level_equilibrium_is_told_before_any_search(monkeypatch):
+    monkeypatch.setattr("jaxsusp.planning.run_batch", lambda *_: pytest.fail("searched"))
+    scenario = changed(js.load_scenario("rim"), limits={"posture_deg": 3.0})
+    with pytest.raises(js.ImpossibleTaskError, match=r"at task.start .* level is no equilibrium"):
+        js.plan(scenario)
+
+
+# Ends that move
+
+
+@pytest.fixture(scope="module")
+def rolling() -> js.Plan:
+    return js.plan_through(js.load_scenario("base-driven"), ROLLING)
+
+
+def test_where_bases_roll_everything_else_of_an_arm_stays(rolling):
+    assert rolling.feasible, rolling.reasons
+    assert rolling.ends.shape == (40, 3, 3)
+    np.testing.assert_allclose(rolling.joints, np.tile(rolling.joints[:1], (40, 1, 1)), atol=1e-9)
+    assert np.ptp(rolling.lengths, axis=0).max() < 1e-3
+    assert np.ptp(rolling.ends[..., 2]) < 1e-9
+    hooks = rolling.position + np.array([0, 0, 0.15])
+    cables = rolling.ends - hooks[:, None]
+    np.testing.assert_allclose(np.linalg.norm(cables, axis=-1), rolling.lengths, atol=1e-9)
+    pull = (rolling.tensions[..., None] * cables / rolling.lengths[..., None]).sum(axis=1)
+    np.testing.assert_allclose(pull, 10 * (rolling.acceleration + [0, 0, 9.81]), atol=1e-9)
+    assert limit(rolling, "greatest change of length").high == 1e-3
+    assert limit(rolling, "lift of a base").value < 1e-9
+
+
+def test_a_load_too_high_for_its_cables_is_refused(rolling):
+    high = np.array(ROLLING) + [0, 0, 3.5]
+    bad = js.plan_through(rolling.scenario, high)
+    assert any(reason.startswith("greatest change of length") for reason in bad.reasons)
+
+
+def test_ends_that_stretch_their_cables_are_refused(rolling):
+    off = rolling.end_path.copy()
+    off[10:14, 0] += [0.0, 0.05, 0.0]
+    bad = js.plan_through(rolling.scenario, rolling.waypoints, off)
+    assert any(reason.startswith("greatest change of length of cable 1") for reason in bad.reasons)
+    lifted = rolling.end_path + [0, 0, 0.01]
+    bad = js.plan_through(rolling.scenario, rolling.waypoints, lifted)
+    assert any(reason.startswith("lift of a base of robot") for reason in bad.reasons)
+
+
+def test_moving_ends_are_rows_beside_the_path(rolling):
+    with pytest.raises(js.InputError, match=r'drive = "base" moves them; give one per sample'):
+        js.plan_through(rolling.scenario, ROLLING, rolling.end_path[0])
+
+
+def test_a_plan_with_moving_ends_is_verified_and_changes_to_it_are_noticed(rolling):
+    found = js.verify_plan(rolling)
+    assert found.ok, found.reasons
+    assert found.simulation is not None
+    assert found.simulation.tracking_error < 0.005
+    other = dataclasses.replace(rolling, ends=rolling.ends + 0.01)
+    reasons = js.verify_plan(other, simulation=False).reasons
+    assert any(reason.startswith("ends differs") for reason in reasons)
+    other = dataclasses.replace(rolling, joints=rolling.joints + 0.01)
+    reasons = js.verify_plan(other, simulation=False).reasons
+    assert any("joint angles of robot 1 hold its end" in reason for reason in reasons)
 
 
 # Verification of plans that were changed afterwards

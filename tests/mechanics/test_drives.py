@@ -22,7 +22,7 @@ def follow(scenario, way=WAY, drive="cable"):
     world = cast_world(build_world(scenario), np.float64)
     ends = ends_at(world, Vec3.from_array(jnp.asarray(way)), drive)
     anchors = Anchors(world.start, world.bodies.attachments, world.bodies.ends)
-    bases = bases_along(drive, ends, anchors, world.robots.base)
+    bases = bases_along(drive, ends, anchors, Vec3.from_array(jnp.asarray(world.robots.base)))
     rows = [np.moveaxis(np.asarray(v.to_array()), 0, -2) for v in (ends, bases)]
     hook = way + np.array([0, 0, scenario.payload.height / 2])
     lengths = np.linalg.norm(rows[0] - hook[:, None], axis=-1)
