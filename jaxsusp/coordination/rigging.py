@@ -23,7 +23,7 @@ from jaxsusp.scenario import Scenario
 from jaxsusp.trajectory.smoothpath import Spline
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World, build_world, cast_world, rounded_counts
+from jaxsusp.world import attachments_of, build_world, cast_world, rounded_counts
 
 INSTANTS = 160
 """Positions along the path at which arms are checked for the choice of their elbows."""
@@ -151,11 +151,18 @@ _choose_elbows = jax.jit(choose_elbows)
 def ends_beside(
     scenario: Scenario, points: Float[np.ndarray, "points xyz"]
 ) -> Float[np.ndarray, "rows cables xyz"]:
-    """Ends beside a load's path by the plain rule of the drive mode: one row where they stay."""
+    """Ends beside a load's path by the plain rule of the drive mode: one row where they stay.
+
+    Where a base-driven cable is too short to reach its end's height, the end is straight above
+    the load: the report then finds the length changed.
+    """
     given = np.array([[robot.end for robot in scenario.robots]], np.float64)
     if not moving(scenario.drive):
         return given
     with jax.enable_x64(True):
-        world: World = cast_world(build_world(scenario, rounded_counts(scenario)), jnp.float64)
+        world = cast_world(build_world(scenario, rounded_counts(scenario)), jnp.float64)
         packed = ends_at(world, Vec3.from_array(jnp.asarray(points)), scenario.drive)
-        return np.moveaxis(np.asarray(packed.to_array()), 0, -2).copy()
+        ends = np.moveaxis(np.asarray(packed.to_array()), 0, -2)
+    above = points[:, None] + attachments_of(scenario)
+    above[..., 2] = given[..., 2]
+    return np.where(np.isfinite(ends), ends, above)
