@@ -11,9 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxsusp._types import Array, Bool, Float
+from jaxsusp._types import Array, Bool, Float, Int
 from jaxsusp.coordination.fans import Candidates, fan_ends, joint_candidates
-from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.geometry.collisions import Bodies, count_collisions
+from jaxsusp.geometry.obstacles import Obstacles
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import World
 
@@ -27,10 +28,34 @@ def running_means(samples: int) -> Float[np.ndarray, "widths samples samples"]:
     Weights are positive and sum to 1, also near the ends: no angle leaves its fan.
     """
     apart = np.subtract.outer(np.arange(samples), np.arange(samples))
-    rows = [
-        np.exp(-0.5 * (apart / width) ** 2) if width else np.eye(samples) for width in WIDTHS
-    ]
+    rows = [np.exp(-0.5 * (apart / width) ** 2) if width else np.eye(samples) for width in WIDTHS]
     return np.stack([row / row.sum(axis=1, keepdims=True) for row in rows])
+
+
+PARTS = 4
+"""Parts into which a step is cut for looking at what is between: the margins of swept cables are
+half a part's motion, and where ends move whole steps would forbid much that is clear."""
+
+
+def count_between(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, ""]:
+    """Contacts of load and cables that move straight from step to step, see `count_collisions`.
+
+    Args:
+        position: the load's centre (samples,) (m).
+        bodies: load and cables; their ends (K, samples), or (K,) where they stay.
+        obstacles: what they keep clear of.
+    """
+    ends = bodies.ends
+    if ends.x.ndim > 1:
+        ends = ends.each(lambda c: jax.vmap(_cut)(c))
+    return count_collisions(position.each(_cut), bodies._replace(ends=ends), obstacles)
+
+
+def _cut(values: Array) -> Array:
+    """Every step in `PARTS`, evenly."""
+    share = jnp.arange(PARTS, dtype=values.dtype) / PARTS
+    cut = values[:-1, None] * (1 - share) + values[1:, None] * share
+    return jnp.append(cut.ravel(), values[-1])
 
 
 class Smoothed(NamedTuple):
@@ -74,7 +99,7 @@ def smoothed(
         found = joint_candidates(world, position, fans, alone, keep, arms)
         found = jax.tree.map(lambda leaf: leaf[:, 0], found)
         moved = bodies._replace(ends=fans.each(lambda c: c[..., 0]))
-        contacts = count_collisions(position, moved, world.obstacles)
+        contacts = count_between(position, moved, world.obstacles)
         return Smoothed(turned, found, contacts, found.feasible.all())
 
     all_of_them = jax.lax.map(each, means)
