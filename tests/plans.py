@@ -1,4 +1,4 @@
-"""Waypoints of two good plans, found once, so that tests of plans need no search."""
+"""Waypoints of good plans, found once, so that tests of plans need no search."""
 
 import numpy as np
 
@@ -23,3 +23,13 @@ HIGH = np.array(
     ]
 )
 """Of scenario-6."""
+
+EXAMPLES = {
+    "base-driven": [(-0.14, 1.76, 0.8), (1.34, 3.4, 0.8), (3.4, 2.67, 0.79)],
+    "end-driven": [(-0.61, 1.42, 1.0), (-0.19, 3.28, 1.0), (1.61, 3.1, 0.99)],
+    "four-robots": [(-1.527, 0.979, 1.533), (-0.642, 0.027, 2.518), (0.67, -0.754, 2.492)],
+    "hybrid": [(-1.36, 0.43, 0.99), (-0.38, 0.25, 1.02), (0.96, -0.08, 1.09)],
+    "rim": [(-0.687, 0.253, 1.235), (-0.277, 0.272, 1.45), (0.379, 0.184, 1.71)],
+    "six-robots": [(0.163, 1.231, 1.5), (0.352, 0.336, 2.06), (0.561, -0.797, 2.613)],
+}
+"""Of every example, with the plain rule of its drive mode."""

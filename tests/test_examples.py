@@ -4,19 +4,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from plans import EXAMPLES
 
 import jaxsusp as js
 from jaxsusp.workunit import stack_scenarios
-
-PLANS = {
-    "base-driven": [(-0.14, 1.76, 0.8), (1.34, 3.4, 0.8), (3.4, 2.67, 0.79)],
-    "end-driven": [(-0.61, 1.42, 1.0), (-0.19, 3.28, 1.0), (1.61, 3.1, 0.99)],
-    "four-robots": [(-1.527, 0.979, 1.533), (-0.642, 0.027, 2.518), (0.67, -0.754, 2.492)],
-    "hybrid": [(-1.24, 0.14, 0.88), (0.02, -0.01, 0.97), (1.12, -0.1, 1.02)],
-    "rim": [(-0.687, 0.253, 1.235), (-0.277, 0.272, 1.45), (0.379, 0.184, 1.71)],
-    "six-robots": [(0.163, 1.231, 1.5), (0.352, 0.336, 2.06), (0.561, -0.797, 2.613)],
-}
-"""Waypoints that a search found."""
 
 
 def test_there_is_an_example_of_every_kind():
@@ -33,7 +24,7 @@ def test_an_example_can_be_planned_and_its_straight_line_cannot(name):
     scenario = js.load_scenario(name)
     problem = js.Problem.from_scenario(scenario, waypoints=3, search="box")
     line = np.linspace(scenario.task.start, scenario.task.goal, 5)[1:-1]
-    both = jnp.asarray([line.ravel(), np.ravel(PLANS[name])])
+    both = jnp.asarray([line.ravel(), np.ravel(EXAMPLES[name])])
     terms = jax.jit(lambda suspension, x: suspension.terms(x.T))(problem.fitness, both)
     assert int(terms.collisions[0]) > 0
     assert (int(terms.collisions[1]), int(terms.violations[1])) == (0, 0)

@@ -132,7 +132,7 @@ def _task(scenario: Scenario, position, fan: int, angle_deg: float, margin: floa
     turns = offsets(scenario.drive, fan, 1.0)
     with jax.enable_x64(True):
         world = cast_world(build_world(scenario), jnp.float64)
-    return Task(world, where, turns, choices, np.float64(margin))
+    return Task(world, where, turns, choices, np.asarray(margin, np.float64))
 
 
 def _smoothest(attempt: Callable[[float, float], Attempt], widest: float) -> Coordination:
@@ -153,7 +153,7 @@ def _smoothest(attempt: Callable[[float, float], Attempt], widest: float) -> Coo
 def _opened(attempt: Callable[[float, float], Attempt], slack: float) -> Attempt:
     """What opens at the full angle, or more narrowly where nothing does; on the host."""
     made = jax.tree.map(np.asarray, attempt(slack, 1.0))
-    if not _dead(made[1]) or made[1].load:
+    if made[1].load or not _dead(made[1]):
         return made
     narrower = jax.tree.map(np.asarray, attempt(slack, NARROWER))
     return made if _dead(narrower[1]) else narrower
@@ -187,6 +187,8 @@ def _coordination(found: Found, outlook: Outlook, slack: float) -> Coordination:
 
 def _reason(found: Found, outlook: Outlook) -> str:
     """Why a sequence will not do; empty if it will."""
+    if outlook.load:
+        return f"the load itself meets an obstacle ({outlook.load} contacts)"
     counts = outlook.counts
     if not counts.all():
         return (
@@ -195,8 +197,6 @@ def _reason(found: Found, outlook: Outlook) -> str:
         )
     if _dead(outlook):
         return "no single joint candidate serves all steps"
-    if outlook.load:
-        return f"the load itself meets an obstacle ({outlook.load} contacts)"
     if not found.fine:
         return f"cables meet an obstacle between steps ({found.contacts} contacts)"
     return ""

@@ -53,7 +53,7 @@ def count_between(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[A
 
 def _cut(values: Array) -> Array:
     """Every step in `PARTS`, evenly."""
-    share = jnp.arange(PARTS, dtype=values.dtype) / PARTS
+    share = jnp.arange(PARTS, dtype=values.dtype)[None] / PARTS
     cut = values[:-1, None] * (1 - share) + values[1:, None] * share
     return jnp.append(cut.ravel(), values[-1])
 
