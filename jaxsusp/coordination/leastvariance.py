@@ -58,8 +58,9 @@ def moving_ends(
 ) -> Coordination:
     """Ends that move with the load and keep the cables clear (cable avoidance, Sect. 3.3).
 
-    The fans open around where the drive mode's plain rule puts the ends. The result is checked
-    for contacts between the steps, with load and ends moving straight from step to step.
+    The fans open around where the drive mode's plain rule puts the ends. What the mode keeps (the
+    lengths in "end"; lengths and heights in "base") is kept exactly at every step. The result is
+    checked for contacts between the steps, with load and ends moving straight from step to step.
 
     Args:
         scenario: in a drive mode whose ends move.
@@ -67,7 +68,8 @@ def moving_ends(
         fan: candidates per cable and step: an odd square number, any odd one in mode "base".
         angle_deg: how far an end may turn from the plain rule to every side (degrees).
         keep: joint candidates that each step keeps: of least step cost, later nearest to the
-            sequence found before. The default keeps all for three cables.
+            sequence found before. The default keeps all of 9 per cable for three cables; with
+            more per cable it drops most, which costs smoothness.
         passes: of dynamic programming, each over fans half as wide.
         margin: m that cables keep off obstacles beyond what is required, at and between steps.
 
