@@ -11,6 +11,7 @@ Importing the package sets nothing global.
 
 from jaxsusp.comparison import compare
 from jaxsusp.coordination.ends import Placement, joint_problem, place_ends
+from jaxsusp.coordination.leastvariance import Coordination, fixed_ends, moving_ends
 from jaxsusp.errors import InputError
 from jaxsusp.feasibility import ImpossibleTaskError
 from jaxsusp.fitness import FitnessTerms
@@ -82,6 +83,9 @@ __all__ = [  # noqa: RUF022  by topic, in the order of the data flow
     "place_ends",
     "joint_problem",
     "Placement",
+    "moving_ends",
+    "fixed_ends",
+    "Coordination",
     "verify_plan",
     "Verification",
     "ImpossibleTaskError",

@@ -4,38 +4,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from plans import EXAMPLES
 
 import jaxsusp as js
 from jaxsusp.verify.simulation import simulate
 from jaxsusp.workunit import stack_scenarios
-
-PLANS = {
-    "base-driven": [
-        (-1.352, 0.734, 0.599), (-1.741, 0.712, 0.47), (-2.506, 0.97, 1.021),
-        (-2.408, 1.044, 2.031), (-0.708, 0.475, 2.819),
-    ],
-    "end-driven": [
-        (-1.029, 0.746, 0.803), (-1.462, 1.022, 0.433), (-2.103, 0.913, 0.557),
-        (-2.208, 0.235, 1.302), (-0.722, -0.441, 2.04),
-    ],
-    "four-robots": [
-        (-1.723, 1.186, 1.422), (-1.421, 0.835, 1.881), (-0.861, 0.267, 2.494),
-        (0.14, -0.412, 2.583), (1.087, -0.97, 2.543),
-    ],
-    "hybrid": [
-        (-1.195, -0.795, 0.999), (-1.084, -1.712, 0.996), (0.033, -2.414, 1.003),
-        (1.134, -1.75, 1.001), (1.27, -0.79, 0.996),
-    ],
-    "rim": [
-        (-1.049, 0.565, 1.024), (-0.998, 0.903, 1.051), (-0.567, 1.447, 1.321),
-        (0.154, 1.074, 1.64), (0.648, 0.527, 1.828),
-    ],
-    "six-robots": [
-        (0.525, 1.716, 1.325), (1.108, 1.392, 1.691), (1.738, 0.734, 2.133),
-        (1.927, -0.461, 2.544), (1.321, -1.302, 2.465),
-    ],
-}  # fmt: skip
-"""Waypoints that the planner found: `jaxsusp plan NAME --algorithm pso`."""
 
 
 def test_there_is_an_example_of_every_kind():
@@ -52,7 +25,7 @@ def test_an_example_can_be_planned_and_its_straight_line_cannot(name):
     scenario = js.load_scenario(name)
     problem = js.Problem.from_scenario(scenario, search="box")
     line = np.linspace(scenario.task.start, scenario.task.goal, 7)[1:-1]
-    both = jnp.asarray([line.ravel(), np.ravel(PLANS[name])])
+    both = jnp.asarray([line.ravel(), np.ravel(EXAMPLES[name])])
     terms = jax.jit(lambda suspension, x: suspension.terms(x.T))(problem.fitness, both)
     assert int(terms.collisions[0]) > 0
     assert (int(terms.collisions[1]), int(terms.violations[1])) == (0, 0)
@@ -62,7 +35,7 @@ def test_an_example_can_be_planned_and_its_straight_line_cannot(name):
 @pytest.mark.parametrize("name", js.examples())
 def test_an_example_has_a_plan_that_is_certified_and_followed_in_simulation(name):
     scenario = js.load_scenario(name)
-    plan = js.plan_through(scenario, PLANS[name])
+    plan = js.plan_through(scenario, EXAMPLES[name])
     assert plan.reasons == ()
     assert plan.certificate.proved
     assert plan.clearance >= scenario.limits.clearance

@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 import pytest
-from plans import LOW, ROLLING
+from plans import EXAMPLES, LOW
 
 import jaxsusp as js
 from jaxsusp.planfile import ARRAYS, digest, dumps
@@ -45,7 +45,7 @@ def test_a_plan_loads_back_exactly(plan, file):
 
 
 def test_a_plan_with_moving_ends_loads_back_exactly(tmp_path):
-    plan = js.plan_through(js.load_scenario("base-driven"), ROLLING)
+    plan = js.plan_through(js.load_scenario("base-driven"), EXAMPLES["base-driven"])
     plan.save(tmp_path / "plan.json")
     loaded = js.load_plan(tmp_path / "plan.json")
     assert loaded.ends.shape == loaded.end_path.shape == (40, 3, 3)

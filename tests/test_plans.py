@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from plans import LOW, ROLLING
+from plans import EXAMPLES, LOW
 from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
@@ -168,7 +168,7 @@ def test_a_task_whose_start_is_no_level_equilibrium_is_told_before_any_search(mo
 
 @pytest.fixture(scope="module")
 def rolling() -> js.Plan:
-    return js.plan_through(js.load_scenario("base-driven"), ROLLING)
+    return js.plan_through(js.load_scenario("base-driven"), EXAMPLES["base-driven"])
 
 
 def test_where_bases_roll_everything_else_of_an_arm_stays(rolling):
@@ -208,7 +208,7 @@ def test_ends_that_stretch_their_cables_are_refused(rolling):
 
 def test_moving_ends_are_rows_beside_the_path(rolling):
     with pytest.raises(js.InputError, match=r'drive = "base" moves them; give one per sample'):
-        js.plan_through(rolling.scenario, ROLLING, rolling.end_path[0])
+        js.plan_through(rolling.scenario, EXAMPLES["base-driven"], rolling.end_path[0])
 
 
 def test_a_plan_with_moving_ends_is_verified_and_changes_to_it_are_noticed(rolling):

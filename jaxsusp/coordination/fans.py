@@ -24,12 +24,12 @@ MOST = 20_000
 
 
 class Candidates(NamedTuple):
-    """Joint candidates of every step (m, N)."""
+    """Joint candidates (m, N), steps on the first axis; of a sequence there is one per step."""
 
-    ends: Float[Array, "samples joint cables xyz"]
-    lengths: Float[Array, "samples joint cables"]
-    tensions: Float[Array, "samples joint cables"]
-    feasible: Bool[Array, "samples joint"]
+    ends: Float[Array, "*joint cables xyz"]
+    lengths: Float[Array, "*joint cables"]
+    tensions: Float[Array, "*joint cables"]
+    feasible: Bool[Array, "*joint"]
 
 
 def combinations(fan: int, cables: int) -> np.ndarray:
@@ -51,22 +51,27 @@ def offsets(drive: str, fan: int, angle: float) -> np.ndarray:
     """The fan's rotations (fan, 2): heading and elevation (rad), within ±angle each.
 
     A square grid where the end may move anywhere, so `fan` is a square number; headings alone in
-    mode "base", whose ends keep their height and whose cables keep their length.
+    mode "base", whose ends keep their height and whose cables keep their length. The number is
+    odd: what the fan opens around is among its candidates.
 
     Raises:
-        InputError: a number of candidates that makes no grid.
+        InputError: a number of candidates that makes no such grid.
     """
     if drive == "base":
+        if fan % 2 == 0:
+            raise InputError(f"fan = {fan}: give an odd number, such as 9")
         return np.stack([_steps(fan, angle), np.zeros(fan)], axis=1)
     side = round(fan**0.5)
-    if side * side != fan:
-        raise InputError(f"fan = {fan}: give a square number, such as 9 or 25")
+    if side * side != fan or fan % 2 == 0:
+        raise InputError(f"fan = {fan}: give an odd square number, such as 9 or 25")
     grid = np.meshgrid(_steps(side, angle), _steps(side, angle), indexing="ij")
     return np.stack([each.ravel() for each in grid], axis=1)
 
 
 def _steps(count: int, angle: float) -> np.ndarray:
-    return np.linspace(-angle, angle, count) if count > 1 else np.zeros(1)
+    """Evenly spaced from -angle to angle, the middle exactly 0."""
+    half = count // 2
+    return np.arange(-half, half + 1) * (angle / max(half, 1))
 
 
 def rotated(cable: Vec3, heading: Array, elevation: Array) -> Vec3:
@@ -82,13 +87,22 @@ def rotated(cable: Vec3, heading: Array, elevation: Array) -> Vec3:
     return Vec3(out * jnp.cos(azimuth), out * jnp.sin(azimuth), length * jnp.sin(rise))
 
 
-def fan_ends(world: World, position: Vec3, ends: Vec3, turns: Array) -> Vec3:
-    """Candidate ends, packed (K, samples, fan), from ends (K, samples) and load positions."""
-    heading, elevation = (jnp.asarray(column, position.x.dtype)[None, :] for column in turns.T)
+def fan_ends(
+    world: World, position: Vec3, ends: Vec3, turns: Float[Array, "cables samples fan 2"]
+) -> Vec3:
+    """Ends turned about their attachments, packed (K, samples, fan).
+
+    Args:
+        world: attachments.
+        position: the load's centre (samples,) (m).
+        ends: what is turned, (K, samples) (m).
+        turns: heading and elevation (rad); an axis of length 1 serves all.
+    """
     rows = []
     for k in range(world.cables):
         lower = position + attachment(world.bodies.attachments, k)
         cable = ends.each(lambda c, k=k: c[k]) - lower
+        heading, elevation = turns[k, ..., 0], turns[k, ..., 1]
         turned = rotated(cable.each(lambda c: c[:, None]), heading, elevation)
         rows.append(turned + lower.each(lambda c: c[:, None]))
     x, y, z = (jnp.stack(columns) for columns in zip(*rows, strict=True))
