@@ -20,7 +20,7 @@ from jaxsusp.constraints import (
     tight_tension_limits,
 )
 from jaxsusp.geometry.arms import count_arm_contacts
-from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.geometry.collisions import count_between, count_collisions
 from jaxsusp.mechanics.cables import cable_lengths, cable_vectors, component
 from jaxsusp.mechanics.drives import Anchors, bases_along, ends_along, moving
 from jaxsusp.mechanics.statics import force_tensions, weight
@@ -132,14 +132,16 @@ def fitness_terms(
         with_stability: whether S_cmin is checked among the violations.
         drive: how the ends follow the load, see `mechanics.drives`.
         with_cables: whether contacts of cables count, or the load's alone.
-        ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule.
+        ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
+            contacts are then counted by `count_between`.
     """
     position = trajectory(world, x, samples)
+    count = count_collisions if ends is None else count_between
     ends = ends_at(world, position, drive) if ends is None else ends
     lengths, tensions = tensions_at(world, position, ends)
     avoiding = ends if with_cables else ends.each(lambda c: c[:0])
     bodies = world.bodies._replace(ends=avoiding)
-    collisions = count_collisions(position, bodies, world.obstacles)
+    collisions = count(position, bodies, world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, ends)
     if moving(drive):
         bases = bases_at(world, ends, drive)

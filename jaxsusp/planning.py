@@ -237,11 +237,13 @@ def _given(scenario: Scenario, settings: _Settings, waypoints: int, first: int) 
 def _led(scenario: Scenario, settings: _Settings, attempt: _Attempt, first: int) -> Iterator[Plan]:
     """Plans whose ends move out of the way: the load's path first, then the ends along it.
 
-    The load is planned as if its cables met nothing, in every other attempt also with cables that
-    follow the plain rule, and its ends are then led past what is left (Sect. 3.3).
+    The load is planned as if its cables met nothing, straight to the goal if it can be, in every
+    other attempt with cables that follow the plain rule; then its ends are led past what is left
+    (Sect. 3.3).
     """
     with_cables = attempt.number % 2 == 1
-    candidates = _search(scenario, settings, attempt.waypoints, first, with_cables=with_cables)
+    line = np.linspace(scenario.task.start, scenario.task.goal, attempt.waypoints + 2)[1:-1]
+    candidates = _search(scenario, settings, attempt.waypoints, first, line, with_cables)
     settings.told("leading the ends")
 
     def pairs() -> Iterator[tuple[np.ndarray, np.ndarray | None]]:
@@ -295,7 +297,8 @@ def _alternating(
         if best is not None and placement.faults:
             return
         moved = with_ends_at(scenario, placement.ends)
-        candidates = _search(moved, settings, attempt.waypoints, first, best)
+        known = None if best is None else best.waypoints
+        candidates = _search(moved, settings, attempt.waypoints, first, known)
         pairs = ((x, placement.ends) for x in candidates)
         found = _first_good(_checked(scenario, settings, pairs))
         yield found
@@ -350,10 +353,10 @@ def _search(
     settings: _Settings,
     waypoints: int,
     first: int,
-    known: Plan | None = None,
+    known: Float[np.ndarray, "waypoints xyz"] | None = None,
     with_cables: bool = True,
 ) -> Float[np.ndarray, "candidates dim"]:
-    """Waypoints that the search found, refined, best first; `known` joins the candidates."""
+    """Waypoints that the search found, refined, best first; `known` ones join the candidates."""
     problem = _problem(with_margins(scenario), settings, waypoints)
     if not with_cables:
         suspension = problem.fitness
@@ -361,8 +364,8 @@ def _search(
         problem = problem.with_fitness(replace(suspension, with_cables=False))
     settings.told("searching")
     extra = None
-    if known is not None and len(known.waypoints) == waypoints:
-        extra = known.waypoints.reshape(1, -1)
+    if known is not None and len(known) == waypoints:
+        extra = known.reshape(1, -1)
     return _minimise(problem, settings, first, extra)
 
 

@@ -23,8 +23,9 @@ from jaxsusp.coordination.sequence import (
     step_costs,
     total_cost,
 )
-from jaxsusp.coordination.smoothing import WIDTHS, count_between, smoothed
+from jaxsusp.coordination.smoothing import WIDTHS, smoothed
 from jaxsusp.fitness import ends_at
+from jaxsusp.geometry.collisions import count_between
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import World
 

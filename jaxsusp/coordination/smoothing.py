@@ -11,10 +11,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxsusp._types import Array, Bool, Float, Int
+from jaxsusp._types import Array, Bool, Float
 from jaxsusp.coordination.fans import Candidates, fan_ends, joint_candidates
-from jaxsusp.geometry.collisions import Bodies, count_collisions
-from jaxsusp.geometry.obstacles import Obstacles
+from jaxsusp.geometry.collisions import count_between
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import World
 
@@ -30,32 +29,6 @@ def running_means(samples: int) -> Float[np.ndarray, "widths samples samples"]:
     apart = np.subtract.outer(np.arange(samples), np.arange(samples))
     rows = [np.exp(-0.5 * (apart / width) ** 2) if width else np.eye(samples) for width in WIDTHS]
     return np.stack([row / row.sum(axis=1, keepdims=True) for row in rows])
-
-
-PARTS = 4
-"""Parts into which a step is cut for looking at what is between: the margins of swept cables are
-half a part's motion, and where ends move whole steps would forbid much that is clear."""
-
-
-def count_between(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, ""]:
-    """Contacts of load and cables that move straight from step to step, see `count_collisions`.
-
-    Args:
-        position: the load's centre (samples,) (m).
-        bodies: load and cables; their ends (K, samples), or (K,) where they stay.
-        obstacles: what they keep clear of.
-    """
-    ends = bodies.ends
-    if ends.x.ndim > 1:
-        ends = ends.each(lambda c: jax.vmap(_cut)(c))
-    return count_collisions(position.each(_cut), bodies._replace(ends=ends), obstacles)
-
-
-def _cut(values: Array) -> Array:
-    """Every step in `PARTS`, evenly."""
-    share = jnp.arange(PARTS, dtype=values.dtype)[None] / PARTS
-    cut = values[:-1, None] * (1 - share) + values[1:, None] * share
-    return jnp.append(cut.ravel(), values[-1])
 
 
 class Smoothed(NamedTuple):
