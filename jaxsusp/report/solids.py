@@ -130,11 +130,11 @@ def box(center, size, yaw_deg: float = 0.0) -> Solid:
     return _prism(center, ring @ turn, half[2], smooth=False)
 
 
-def cylinder(center, radius: float, height: float, sides: int = 48) -> Solid:
-    """An upright cylinder of full height (m)."""
+def cylinder(center, radius: float, height: float, turn=None, sides: int = 48) -> Solid:
+    """A cylinder of full height (m), upright or turned about its centre by a rotation (3, 3)."""
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return _prism(center, ring, height / 2, smooth=True)
+    return _prism(center, ring, height / 2, smooth=True, turn=turn)
 
 
 def sphere(center, radius: float, sides: int = 36) -> Solid:
@@ -157,10 +157,11 @@ def sphere(center, radius: float, sides: int = 36) -> Solid:
     return Solid.of_faces(faces, smooth=True)
 
 
-def _prism(center, ring, half_height: float, smooth: bool) -> Solid:
-    """An upright prism over a ring of (x, y) corners about its centre."""
+def _prism(center, ring, half_height: float, smooth: bool, turn=None) -> Solid:
+    """A prism over a ring of (x, y) corners about its centre, upright or turned about that."""
+    turn = np.eye(3) if turn is None else np.asarray(turn, np.float64)
     low, high = (
-        np.asarray(center, np.float64) + np.column_stack([ring, np.full(len(ring), z)])
+        np.asarray(center, np.float64) + np.column_stack([ring, np.full(len(ring), z)]) @ turn.T
         for z in (-half_height, half_height)
     )
     walls = [[low[i], low[j], high[j], high[i]] for i, j in enumerate(_next(len(ring)))]
