@@ -21,9 +21,9 @@ from jaxsusp.report.look import (
     quiet,
     subscript,
 )
+from jaxsusp.verify.limits import INSTANTS
 
 AXES = {"x": PALETTE["pso"], "y": PALETTE["ga"], "z": PALETTE["dbo"]}
-INSTANTS = 401
 DASHES = (0, (5, 3))
 ACROSS = 4
 """Most panels beside each other where there is one per cable."""
@@ -86,8 +86,11 @@ def posture(plan: Plan) -> Figure:
 
 
 def ends(plan: Plan) -> Figure:
-    """Way of every end that moves, the joint angles that move it and its distance from the
-    shoulder within the reach; of bases that roll, their way and speed."""
+    """What moves the ends, per robot.
+
+    Of arms the way of the end, the joint angles and its distance from the shoulder within the
+    reach; of bases that roll their way and speed.
+    """
     draw = _rolling if plan.rigging.rolls else _reaching
     return draw(plan, _instants(plan))
 

@@ -15,6 +15,7 @@ from jaxsusp.report.painting import freest, hidden, paint_curve, paint_label, pa
 from jaxsusp.report.room import paint_room
 from jaxsusp.report.scene3d import LOAD, STONE, best_view
 from jaxsusp.report.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.verify.limits import INSTANTS
 from jaxsusp.world import attachments_of
 
 POSES = 9
@@ -37,7 +38,7 @@ class Stills(NamedTuple):
         path, rigging = plan.law.path, plan.rigging
         u = path.parameter(np.linspace(0, path.length, POSES))
         center, ends = path.curve(u), rigging.ends_at(u)
-        posture = plan.loads_at(plan.law.time_of(u)).posture
+        posture = _postures(plan, u)
         hung = attachments_of(plan.scenario) @ np.swapaxes(posture, -1, -2)
         return cls(center, posture, center[:, None] + hung, ends, rigging.chains_at(ends))
 
@@ -47,7 +48,7 @@ def _finish_top(axes: Axes) -> None:
     quiet(axes)
     axes.set_aspect("equal")
     span = max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
-    step = np.diff(MaxNLocator(9, steps=[1, 2, 5, 10]).tick_values(0, span))[0]
+    step = np.diff(MaxNLocator(10, steps=[1, 2, 5, 10]).tick_values(0, span))[0]
     for axis, name in ((axes.xaxis, "x (m)"), (axes.yaxis, "y (m)")):
         axis.set_major_locator(MultipleLocator(step))
         axis.set_label_text(name, fontsize=10, color=INK)
@@ -61,6 +62,15 @@ def plan_view(plan: Plan, stills: Stills | None = None) -> Camera:
     held = [*zip(stills.lower[0], stills.ends[0], strict=True)]
     held += [*zip(stills.lower[-1], stills.ends[-1], strict=True)]
     return best_view(solids, [curve], [*stills.chains[0], *stills.chains[-1]], held)
+
+
+def _postures(plan: Plan, u: np.ndarray) -> np.ndarray:
+    """R of the load at parameters of the path."""
+    if plan.scenario.payload.attachments == "hook":
+        return np.tile(np.eye(3), (len(u), 1, 1))
+    # As many instants as the constraint report has, whose compiled program serves here as well.
+    times = np.pad(plan.law.time_of(u), (0, INSTANTS - len(u)), mode="edge")
+    return plan.loads_at(times).posture[: len(u)]
 
 
 def scene(plan: Plan) -> Figure:
@@ -109,7 +119,7 @@ def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills:
     for name, place in (("start", stills.center[0]), ("goal", stills.center[-1])):
         sides = (("left", 0.2), ("right", -0.2))
         middles = camera.project(place) + np.array([[3 * step, 0.0] for _, step in sides])
-        align, step = sides[freest(middles, way, enough=0.6)]
+        align, step = sides[freest(middles, way, enough=0.4)]
         beside = place + step * camera.frame[0]
         paint_label(axes, camera, beside, name, ha=align, fontsize=9, fontweight="bold")
 
@@ -164,7 +174,8 @@ def _name_ends(axes: Axes, camera: Camera, plan: Plan, stills: Stills) -> None:
         lines += [np.linspace(*span, 60) for span in zip(lower, ends, strict=True)]
     drawn = camera.project(np.concatenate(lines))
     angle = np.deg2rad([90, 135, 45, 180, 0, 225, 315, 270])
-    around = 0.4 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    around = np.concatenate([0.4 * ring, 0.6 * ring])
     for k, end in enumerate(stills.ends[0]):
         best = around[freest(camera.project(end) + around, drawn, enough=0.3)]
         place = end + best @ camera.frame

@@ -93,9 +93,14 @@ class Camera(NamedTuple):
         """Indices of the bodies in the order in which to paint them."""
         depth = [solid.corners.mean(axis=0) @ self.towards for solid in solids]
         order = TopologicalSorter({i: set() for i in np.argsort(depth).tolist()})
-        for i, surface in enumerate(map(_surface, solids)):
+        surfaces = list(map(_surface, solids))
+        for i, back in enumerate(solids):
             for j, front in enumerate(solids):
-                if i != j and front.hides(surface, self.towards).any():
+                # The second is for small bodies, which cover none of the points of a large one.
+                if i != j and (
+                    front.hides(surfaces[i], self.towards).any()
+                    or back.hides(surfaces[j], -self.towards).any()
+                ):
                     order.add(j, i)
         try:
             return list(order.static_order())
