@@ -119,7 +119,9 @@ def _seen(steps: Curve, camera: Camera) -> Float[np.ndarray, " points"]:
     return np.linalg.norm(camera.project(steps), axis=1)
 
 
-def _covered(points: Curve, standing: Curve, camera: Camera) -> Bool[np.ndarray, " points"]:
+def _covered(
+    points: Curve, standing: Float[np.ndarray, "posts xyz"], camera: Camera
+) -> Bool[np.ndarray, " points"]:
     """Which points have one of the others close in front of them."""
     apart = camera.project(points)[:, None] - camera.project(standing)
     near = np.linalg.norm(apart, axis=-1) < BESIDE
