@@ -12,13 +12,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from jaxsusp.coordination.rigging import ends_beside
 from jaxsusp.mechanics import arm
+from jaxsusp.mechanics.drives import moving
 from jaxsusp.report.look import INK, QUIET, heading, legend, picture, quiet, styles, subscript
 from jaxsusp.report.look import save as save
 from jaxsusp.report.painting import Curve, hidden, paint_curve, paint_label, paint_solid, refine
 from jaxsusp.report.render import significant
 from jaxsusp.report.room import paint_room
 from jaxsusp.report.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.world import attachments_of
 
 STONE = "#C9CDD3"
 LOAD = "#5A5F69"
@@ -181,22 +184,31 @@ def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -
 
 
 def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
-    """The cables at start and goal, and the ends they hang from."""
-    payload, ends = scenario.payload, [robot.end for robot in scenario.robots]
-    hook = payload.attachments == "hook"
-    offsets = [(0, 0, payload.height / 2)] * len(ends) if hook else payload.attachments
-    for name, dash in _CABLES.items():
-        place = getattr(scenario.task, name)
-        for offset, end in zip(offsets, ends, strict=True):
-            cable = refine(np.array([np.add(place, offset), end]), 60)
+    """The cables at start and goal, and the ends they hang from; those at the goal filled."""
+    hung = attachments_of(scenario)
+    ends = _ends(scenario)
+    for (name, dash), held in zip(_CABLES.items(), ends, strict=True):
+        lower = np.array(getattr(scenario.task, name), np.float64) + hung
+        for line in zip(lower, held, strict=True):
             paint_curve(
-                axes, camera, solids, cable, zorder=4.0, color=QUIET, linewidth=1.0, linestyle=dash
-            )
-    for number, end in enumerate(ends, start=1):
-        at = camera.project(np.asarray(end, np.float64))
-        axes.plot(*at, "o", ms=5, mfc="white", mec=INK, mew=1.2, zorder=6)
-        above = np.asarray(end) + 0.3 * camera.frame[1]
+                axes, camera, solids, refine(np.array(line), 60), zorder=4.0, color=QUIET,
+                linewidth=1.0, linestyle=dash,
+            )  # fmt: skip
+    for held, face in ((ends[1], INK), (ends[0], "white")):
+        flat = camera.project(held)
+        axes.plot(*flat.T, "o", ms=5, mfc=face, mec=INK, mew=1.2, zorder=6 + (face == "white"))
+    for number, end in enumerate(ends[0], start=1):
+        above = end + 0.3 * camera.frame[1]
         paint_label(axes, camera, above, f"P{subscript(number)}", fontsize=9)
+
+
+def _ends(scenario: Any) -> Float[np.ndarray, "places=2 cables xyz"]:
+    """The ends with the load at start and goal, moved by the plain rule of the drive mode."""
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    if moving(scenario.drive):
+        return ends_beside(scenario, task)
+    ends = np.array([robot.end for robot in scenario.robots], np.float64)
+    return np.stack([ends, ends])
 
 
 def _arms(axes: Axes, camera: Camera, scenario: Any) -> None:

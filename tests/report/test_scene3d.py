@@ -20,6 +20,7 @@ def scenario():
     """A wall and a ball between start and goal, three robots."""
     return SimpleNamespace(
         name="two bodies",
+        drive="cable",
         payload=SimpleNamespace(radius=0.1, height=0.3, attachments="hook"),
         workspace=SimpleNamespace(lower=(-3.5, -3.5, 0.2), upper=(3.5, 3.5, 5.5)),
         task=SimpleNamespace(start=(0, 2, 1), goal=(0, -2, 3)),
