@@ -91,7 +91,7 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
 
 
 def best_view(
-    solids: list[Solid], curves: list[Curve], posts: Sequence[Curve] = (), lines: Sequence = ()
+    solids: list[Solid], curves: list[Curve], posts: Sequence = (), lines: Sequence = ()
 ) -> Camera:
     """The camera that hides least of the curves and foreshortens them least.
 
