@@ -27,7 +27,8 @@ from jaxsusp.scenario import load_scenario
 
 
 @app.command(
-    epilog="Example: jaxsusp plan scenario-1 --ends placed --output plans",
+    epilog="Examples: jaxsusp plan scenario-1 --ends placed --output plans · "
+    "jaxsusp plan hybrid --ends placed",
 )
 def plan(
     scenario: Named,
@@ -35,10 +36,16 @@ def plan(
         str, typer.Option(help="What searches, see `jaxsusp algorithms`.")
     ] = "sdbo",
     ends: Annotated[
-        str, typer.Option(help='"given" keeps the ends of the scenario, "placed" optimises them.')
+        str,
+        typer.Option(
+            help='"given" keeps the ends of the scenario, or moves them by the plain rule of its '
+            'drive mode; "placed" optimises where they stay, or chooses their way by least '
+            "variance where they move."
+        ),
     ] = "given",
     coordination: Annotated[
-        str, typer.Option(help='Of placed ends with the load: "alternation" or "joint".')
+        str,
+        typer.Option(help='How ends that stay are placed with the load: "alternation" or "joint".'),
     ] = "alternation",
     runs: Annotated[int, count("Independent runs per batch.")] = 4,
     iterations: Annotated[int, count("Iterations per run.")] = 300,

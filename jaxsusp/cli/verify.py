@@ -80,5 +80,5 @@ def _show(found: Verification, name: str) -> None:
     stdout = wide_console()
     stdout.print(to_rich(limits_table(found.plan.report)), "")
     if found.simulation is not None:
-        stdout.print(to_rich(simulation_table(found.simulation)), "")
+        stdout.print(to_rich(simulation_table(found.simulation, found.plan.scenario.limits)), "")
     stdout.print(verdict(found.ok, found.reasons, name), markup=False, highlight=False)

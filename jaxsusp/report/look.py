@@ -40,6 +40,12 @@ PALETTE = {
 CYCLE = ("#332288", "#8B5A2B", "#444444", "#999933", "#882255")
 """For algorithms without a colour of their own, in order of appearance."""
 
+CABLES = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#8B5A2B")
+"""One colour per cable, from the first again after the last."""
+
+PATH = "#C43C00"
+"""The load's way, and limits."""
+
 _MARKERS = {"pso": "o", "ga": "s", "dbo": "^", "sdbo": "D", "dbo-task": "v", "sdbo-task": "P"}
 
 
@@ -105,6 +111,11 @@ def label(algorithm: str) -> str:
     return "-".join([head.upper(), *tail])
 
 
+def subscript(number: int) -> str:
+    """A number as small digits below the line, 12 → "₁₂"."""
+    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+
+
 def panels(figure: Figure, count: int, **options) -> list[Axes]:
     """A grid of `count` styled axes, at most three in a row."""
     columns = min(count, 3)
@@ -131,11 +142,11 @@ def heading(figure: Figure, title: str) -> None:
 
 
 def legend(figure: Figure, handles: Sequence[Artist]) -> None:
-    """One row below the panels, where it hides nothing."""
+    """One row below the panels, where it hides nothing; two of many entries."""
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=len(handles),
+        ncols=len(handles) if len(handles) < 10 else -(-len(handles) // 2),
         frameon=False,
         fontsize=10,
         labelcolor=INK,

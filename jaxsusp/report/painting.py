@@ -69,6 +69,22 @@ def paint_label(
     axes.text(x, y, text, path_effects=HALO, clip_on=True, **look)
 
 
+def freest(
+    places: Float[np.ndarray, "places picture=2"],
+    drawn: Float[np.ndarray, "points picture=2"],
+    enough: float,
+) -> int:
+    """The first of some places in the picture that is far enough from what is drawn.
+
+    Args:
+        places: where something could go (m).
+        drawn: points of what is there (m).
+        enough: distance with which to be content (m); without such a place it is the farthest.
+    """
+    apart = np.linalg.norm(places[:, None] - drawn, axis=-1).min(axis=1)
+    return int(np.minimum(apart, enough).argmax())
+
+
 def _fade(alpha: float) -> Callable:
     """A filter of matplotlib's Agg renderer that makes a finished drawing translucent."""
 

@@ -1,135 +1,194 @@
-"""Figures of one plan, after the paper's Figs 8 to 10: data in, figure out."""
+"""Curves of one plan over time, after the paper's Figs 8 and 10: data in, figure out."""
+
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from scipy.spatial.transform import Rotation
 
 from jaxsusp.plans import Plan
-from jaxsusp.report.look import INK, PALETTE, QUIET, heading, legend, picture, quiet
-from jaxsusp.report.painting import paint_curve, paint_label, paint_solid
-from jaxsusp.report.room import paint_room
-from jaxsusp.report.scene3d import best_view
-from jaxsusp.report.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.report.look import (
+    CABLES,
+    INK,
+    PALETTE,
+    PATH,
+    heading,
+    legend,
+    picture,
+    quiet,
+    subscript,
+)
+from jaxsusp.verify.limits import INSTANTS
 
 AXES = {"x": PALETTE["pso"], "y": PALETTE["ga"], "z": PALETTE["dbo"]}
-CABLES = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#8B5A2B")
-STONE, LOAD, PATH = "#C9CDD3", "#5A5F69", "#C43C00"
-INSTANTS = 401
-POSES = 9
+DASHES = (0, (5, 3))
+ACROSS = 4
+"""Most panels beside each other where there is one per cable."""
 
 
 def kinematics(plan: Plan) -> Figure:
     """Position, velocity, acceleration and jerk along x, y and z (Fig. 8)."""
-    times = np.linspace(0, plan.law.duration, INSTANTS)
+    times = _instants(plan)
     figure = picture(11.0, 6.6)
     panels = figure.subplots(2, 2, sharex=True).ravel()
     labels = ("position (m)", "velocity (m/s)", "acceleration (m/s²)", "jerk (m/s³)")
-    for letter, axes, values, label in zip("abcd", panels, plan.at(times), labels, strict=True):
-        quiet(axes)
-        for i, color in enumerate(AXES.values()):
-            axes.plot(times, values[:, i], color=color, lw=1.8)
-        axes.set_title(f"({letter}) {label}", loc="left", fontsize=10, color=INK)
-        axes.set_xlim(0, times[-1])
+    for axes, values in zip(panels, plan.at(times), strict=True):
+        _curves(axes, times, values, AXES.values())
+    _name(panels, labels)
     for axes in panels[2:]:
         axes.set_xlabel("time (s)", fontsize=10, color=INK)
     heading(figure, f"{plan.scenario.name}: motion of the load")
-    legend(figure, [Line2D([], [], color=c, lw=2, label=name) for name, c in AXES.items()])
+    legend(figure, _samples(AXES))
     return figure
 
 
 def cables(plan: Plan) -> Figure:
     """Length and tension of every cable with their limits (Fig. 10)."""
-    times = np.linspace(0, plan.law.duration, INSTANTS)
+    times, limits = _instants(plan), plan.scenario.limits
     loads = plan.loads_at(times)
-    lengths, tensions = loads.lengths, loads.tensions
-    limits, count = plan.scenario.limits, plan.rigging.cables
-    figure = picture(3.9 * count, 6.0)
-    grid = figure.subplots(2, count, sharex=True, sharey="row", squeeze=False)
-    rows = (
-        (lengths, limits.cable_length, "length (m)"),
-        (tensions, limits.tension, "tension (N)"),
-    )
-    for axes_row, (values, bounds, label) in zip(grid, rows, strict=True):
-        for k, axes in enumerate(axes_row):
-            quiet(axes)
-            axes.plot(times, values[:, k], color=CABLES[k % len(CABLES)], lw=2)
-            for bound in bounds:
-                axes.axhline(bound, color=PATH, lw=1.2, ls=(0, (5, 3)))
-            axes.set_xlim(0, times[-1])
-        axes_row[0].set_ylabel(label, fontsize=10, color=INK)
-    for k, axes in enumerate(grid[0]):
-        letter = "abcdefgh"[k % 8]
-        axes.set_title(f"({letter}) cable {k + 1}", loc="left", fontsize=10, color=INK)
+    rows = {
+        "length (m)": (loads.lengths, limits.cable_length),
+        "tension (N)": (loads.tensions, limits.tension),
+    }
+    figure, grid = _per_cable(plan.rigging.cables, "cable", list(rows))
+    for panels, (values, bounds) in zip(grid, rows.values(), strict=True):
+        for k, axes in enumerate(panels):
+            _curves(axes, times, values[:, k, None], [CABLES[k % len(CABLES)]])
+            _limits(axes, bounds)
+    heading(figure, f"{plan.scenario.name}: cables, tensions with inertia")
+    legend(figure, _samples({"limits": PATH}, lw=1.2, ls=DASHES))
+    return figure
+
+
+def posture(plan: Plan) -> Figure:
+    """The load's posture angles, and how far it is turned from level in all, with the limit."""
+    times = _instants(plan)
+    loads = plan.loads_at(times)
+    hangs = np.where(loads.balanced, 1.0, np.nan)[:, None]
+    # R = Rz(α3) Ry(α2) Rx(α1)
+    angles = Rotation.from_matrix(loads.posture).as_euler("ZYX", degrees=True)[:, ::-1]
+    figure = picture(11.0, 4.0)
+    panels = left, right = figure.subplots(1, 2)
+    _curves(left, times, hangs * angles, AXES.values())
+    _curves(right, times, hangs * np.rad2deg(loads.turn)[:, None], [INK])
+    _limits(right, [plan.scenario.limits.posture_deg])
+    right.set_ylim(bottom=0)
+    _name(panels, ("posture angles (°)", "turn from level (°)"))
+    for axes in panels:
+        axes.set_xlabel("time (s)", fontsize=10, color=INK)
+    heading(figure, f"{plan.scenario.name}: posture of the load")
+    names = {f"α{subscript(i)}": color for i, color in enumerate(AXES.values(), start=1)}
+    legend(figure, [*_samples(names), *_samples({"limit": PATH}, lw=1.2, ls=DASHES)])
+    return figure
+
+
+def ends(plan: Plan) -> Figure:
+    """What moves the ends, per robot.
+
+    Of arms the way of the end, the joint angles and its distance from the shoulder within the
+    reach; of bases that roll their way and speed.
+    """
+    draw = _rolling if plan.rigging.rolls else _reaching
+    return draw(plan, _instants(plan))
+
+
+def _reaching(plan: Plan, times: np.ndarray) -> Figure:
+    rigging, colors = plan.rigging, AXES.values()
+    held = plan.ends_at(times)
+    joints = np.rad2deg(rigging.joints_at(held))
+    chains = rigging.chains_at(held)
+    distance = np.linalg.norm(chains[:, :, 3] - chains[:, :, 1], axis=-1)
+    _, upper, lower = rigging.links.T
+    given = plan.scenario.limits.joint_limits_deg
+    rows = ["end from its start (m)", "joint angles (°)", "end from shoulder (m)"]
+    figure, grid = _per_cable(rigging.cables, "robot", rows)
+    for k, (way, turns, reach) in enumerate(zip(*grid, strict=True)):
+        _curves(way, times, held[:, k] - held[0, k], colors)
+        _curves(turns, times, joints[:, k], colors)
+        if given is not None:
+            for color, bounds in zip(colors, given[k if len(given) > 1 else 0], strict=True):
+                _limits(turns, bounds, color)
+        _curves(reach, times, distance[:, k, None], [CABLES[k % len(CABLES)]])
+        _limits(reach, (abs(upper[k] - lower[k]), upper[k] + lower[k]))
+    heading(figure, f"{plan.scenario.name}: ends that the arms move")
+    names = {f"{axis}, φ{subscript(i)}": AXES[axis] for i, axis in enumerate(AXES, start=1)}
+    legend(figure, [*_samples(names), *_samples({"limits": PATH}, lw=1.2, ls=DASHES)])
+    return figure
+
+
+def _rolling(plan: Plan, times: np.ndarray) -> Figure:
+    feet = plan.rigging.bases_at(plan.ends_at(times))
+    speed = np.linalg.norm(np.gradient(feet, times, axis=0), axis=-1)
+    level = {axis: AXES[axis] for axis in "xy"}
+    rows = ["base from its start (m)", "speed of the base (m/s)"]
+    figure, grid = _per_cable(plan.rigging.cables, "robot", rows)
+    for k, (way, rate) in enumerate(zip(*grid, strict=True)):
+        _curves(way, times, (feet[:, k] - feet[0, k])[:, :2], level.values())
+        _curves(rate, times, speed[:, k, None], [CABLES[k % len(CABLES)]])
+    heading(figure, f"{plan.scenario.name}: bases that carry the ends along")
+    legend(figure, _samples(level))
+    return figure
+
+
+def _instants(plan: Plan) -> Float[np.ndarray, " times"]:
+    return np.linspace(0, plan.law.duration, INSTANTS)
+
+
+def _per_cable(count: int, what: str, rows: Sequence[str]) -> tuple[Figure, list[list[Axes]]]:
+    """A column of panels per cable or robot, in blocks below each other where there are many.
+
+    Returns:
+        The figure, and for every row its panels; those of a row have the same scale.
+    """
+    blocks = -(-count // ACROSS)
+    across = -(-count // blocks)
+    figure = picture(min(3.9 * across, 12.8), 2.5 * blocks * len(rows) + 1.0)
+    cells = figure.add_gridspec(blocks * len(rows), across)
+    grid: list[list[Axes]] = [[] for _ in rows]
+    for k in range(count):
+        block, column = divmod(k, across)
+        for row, (panels, label) in enumerate(zip(grid, rows, strict=True)):
+            first = panels[0] if panels else None
+            axes = figure.add_subplot(
+                cells[block * len(rows) + row, column], sharex=grid[0][0] if k + row else None,
+                sharey=first,
+            )  # fmt: skip
+            axes.tick_params(labelleft=column == 0, labelbottom=row == len(rows) - 1)
+            if column == 0:
+                axes.set_ylabel(label, fontsize=10, color=INK)
+            panels.append(axes)
+    _name(grid[0], [f"{what} {k + 1}" for k in range(count)])
     for axes in grid[-1]:
         axes.set_xlabel("time (s)", fontsize=10, color=INK)
-    heading(figure, f"{plan.scenario.name}: cables, tensions with inertia")
-    legend(figure, [Line2D([], [], color=PATH, lw=1.2, ls=(0, (5, 3)), label="limits")])
-    return figure
+    return figure, grid
 
 
-def scene(plan: Plan) -> Figure:
-    """The load's way with its poses, and the cables in every pose (Fig. 9)."""
-    scenario = plan.scenario
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
-    curve = plan.at(np.linspace(0, plan.law.duration, 200)).position
-    # Poses at equal distances along the path, where equal times would crowd at both ends.
-    u = plan.law.path.parameter(np.linspace(0, plan.law.path.length, POSES))
-    poses = plan.law.path.curve(u)
-    camera = best_view(solids, [curve])
-    figure = picture(13.0, 7.4)
-    view, top = figure.subplots(1, 2, width_ratios=[1.15, 1])
-    paint_room(view, camera, scenario.workspace.lower, scenario.workspace.upper)
-    for axes, eye in ((view, camera), (top, Camera.above())):
-        _bodies(axes, eye, plan, solids, poses)
-        _hung(axes, eye, plan, solids, poses)
-        paint_curve(axes, eye, solids, curve, zorder=5.0, color=PATH, linewidth=2.2)
-    view.set_axis_off()
-    view.set_aspect("equal")
-    view.margins(0.04)
-    quiet(top)
-    top.set_aspect("equal")
-    for text in view.texts:
-        text.set_clip_on(False)
-    top.set_xlabel("x (m)", fontsize=10, color=INK)
-    top.set_ylabel("y (m)", fontsize=10, color=INK)
-    heading(figure, f"{scenario.name}: the plan" + ("" if plan.feasible else " (infeasible)"))
-    entries = [Line2D([], [], color=PATH, lw=2.2, label="load")]
-    entries += [
-        Line2D([], [], color=CABLES[k % len(CABLES)], lw=1.2, label=f"cable {k + 1}")
-        for k in range(len(plan.ends))
+def _curves(axes: Axes, times: np.ndarray, values: np.ndarray, colors: Iterable[str]) -> None:
+    """One curve per column over the whole time."""
+    quiet(axes)
+    for column, color in zip(values.T, colors, strict=True):
+        axes.plot(times, column, color=color, lw=1.8)
+    axes.set_xlim(0, times[-1])
+
+
+def _limits(axes: Axes, bounds: Iterable[float], color: str = PATH) -> None:
+    for bound in bounds:
+        axes.axhline(bound, color=color, lw=1.2, ls=DASHES)
+
+
+def _name(panels: Iterable[Axes], names: Iterable[str]) -> None:
+    """Letter and title of every panel."""
+    for i, (axes, name) in enumerate(zip(panels, names, strict=True)):
+        axes.set_title(f"({'abcdefghijklmnopqrstuvwxyz'[i % 26]}) {name}", loc="left",
+                       fontsize=10, color=INK)  # fmt: skip
+
+
+def _samples(colors: Mapping[str, str], **look) -> list[Line2D]:
+    """Legend entries of names with their colours."""
+    return [
+        Line2D([], [], color=color, label=name, **{"lw": 2, **look})
+        for name, color in colors.items()
     ]
-    legend(figure, [*entries, Line2D([], [], color="#9AA3AF", lw=4, label="arm")])
-    return figure
-
-
-def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], poses) -> None:
-    """Obstacles and the load's poses, from back to front."""
-    payload = plan.scenario.payload
-    loads = [cylinder(pose, payload.radius, payload.height) for pose in poses]
-    bodies = [*solids, *loads]
-    for rank, i in enumerate(camera.back_to_front(bodies)):
-        color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
-        paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
-    for name, place in (("start", plan.position[0]), ("goal", plan.position[-1])):
-        beside = place + 0.2 * camera.frame[0]
-        paint_label(axes, camera, beside, name, ha="left", fontsize=9, fontweight="bold")
-
-
-def _hung(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], poses) -> None:
-    """Cables in every pose, ends, and the arms that hold them."""
-    from jaxsusp.plans import hold
-
-    hook = np.array([0.0, 0.0, plan.scenario.payload.height / 2])
-    up = plan.joints[0, :, 2] >= 0
-    chains = np.asarray(hold(plan.scenario, plan.law, plan.ends, len(plan.times), up).chains)
-    for k, end in enumerate(plan.ends):
-        color = CABLES[k % len(CABLES)]
-        for pose in poses:
-            line = np.linspace(pose + hook, end, 30)
-            paint_curve(axes, camera, solids, line, zorder=4.0, color=color, linewidth=0.9)
-        flat = camera.project(chains[k]).T
-        axes.plot(*flat, color="#9AA3AF", alpha=0.6, lw=4, solid_joinstyle="round", zorder=1.5)
-        axes.plot(*camera.project(end), "o", ms=5, mfc="white", mec=INK, mew=1.2, zorder=6)
-        above = end + 0.35 * camera.frame[1]
-        paint_label(axes, camera, above, f"P{'₀₁₂₃₄₅₆₇₈₉'[(k + 1) % 10]}", fontsize=9, color=QUIET)

@@ -2,20 +2,32 @@
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
+
+from matplotlib.figure import Figure
 
 from jaxsusp._files import write_text
 from jaxsusp.plans import Plan
 from jaxsusp.report import planfigures
 from jaxsusp.report.look import save
 from jaxsusp.report.planreport import ends_table, limits_table
+from jaxsusp.report.planscene import scene
 from jaxsusp.report.render import to_markdown
 
-FIGURES = {
+FIGURES: dict[str, Callable[[Plan], Figure]] = {
     "kinematics": planfigures.kinematics,
-    "scene": planfigures.scene,
+    "scene": scene,
     "cables": planfigures.cables,
+    "posture": planfigures.posture,
+    "ends": planfigures.ends,
 }
+
+_APPLIES: dict[str, Callable[[Plan], bool]] = {
+    "posture": lambda plan: plan.scenario.payload.attachments != "hook",
+    "ends": lambda plan: plan.rigging.moves,
+}
+"""Figures that not every plan has, and of which plans they show something."""
 
 
 def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
@@ -36,7 +48,14 @@ def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
     plan.save_csv(files[1])
     tables = (limits_table(plan.report), ends_table(plan))
     write_text(files[2], "\n".join(f"## {t.attrs['title']}\n\n{to_markdown(t)}" for t in tables))
-    for name, draw in FIGURES.items():
+    for name, draw in figures_of(plan).items():
         files.append(folder / f"{stem}.{name}.png")
         save(draw(plan), files[-1])
     return files
+
+
+def figures_of(plan: Plan) -> dict[str, Callable[[Plan], Figure]]:
+    """The figures that show something of a plan, by name."""
+    return {
+        name: draw for name, draw in FIGURES.items() if _APPLIES.get(name, lambda _: True)(plan)
+    }

@@ -1,25 +1,33 @@
 """A scenario and the best trajectories in it: the paper's Fig. 7, view and top view."""
 
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from jaxtyping import Bool, Float
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from jaxsusp.coordination.rigging import ends_beside
 from jaxsusp.mechanics import arm
-from jaxsusp.report.look import INK, QUIET, heading, legend, picture, quiet, styles
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.report.look import INK, QUIET, heading, legend, picture, quiet, styles, subscript
 from jaxsusp.report.look import save as save
 from jaxsusp.report.painting import Curve, hidden, paint_curve, paint_label, paint_solid, refine
 from jaxsusp.report.render import significant
 from jaxsusp.report.room import paint_room
 from jaxsusp.report.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.world import attachments_of
 
 STONE = "#C9CDD3"
 LOAD = "#5A5F69"
+
+BESIDE = 0.4
+"""m in the picture, within which what stands in front of a curve disturbs it."""
 
 _CABLES = {"start": "-", "goal": (0, (5, 3))}
 """Dashes of the cables at either end of the task."""
@@ -82,19 +90,45 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
     return figure, stages
 
 
-def best_view(solids: list[Solid], curves: list[Curve]) -> Camera:
-    """The camera that hides least of the curves and foreshortens them least."""
+def best_view(
+    solids: list[Solid], curves: list[Curve], posts: Sequence = (), lines: Sequence = ()
+) -> Camera:
+    """The camera that hides least of the curves and foreshortens them least.
+
+    Args:
+        solids: what may hide them.
+        curves: what is to be seen (m).
+        posts: thin things that should not stand in front of the curves, as polylines (m).
+        lines: straight lines (2, 3) that should not be seen end on (m).
+    """
     fine = [refine(curve, 3) for curve in curves]
     points = np.concatenate(fine)
     steps = np.concatenate([np.diff(curve, axis=0) for curve in fine])
+    standing = np.concatenate([np.empty((0, 3)), *(refine(post, 12) for post in posts)])
+    spans = np.array([np.subtract(stop, start) for start, stop in lines]).reshape(-1, 3)
 
     def merit(camera: Camera) -> float:
-        seen = np.linalg.norm(camera.project(steps), axis=1).sum()
-        share = seen / np.linalg.norm(steps, axis=1).sum()
-        return float(share - 2 * hidden(points, solids, camera).mean())
+        share = _seen(steps, camera).sum() / np.linalg.norm(steps, axis=1).sum()
+        covered = _covered(points[:: len(points) // 60 + 1], standing, camera).mean()
+        ends_on = 1 - (_seen(spans, camera) / np.linalg.norm(spans, axis=1)).min(initial=1.0)
+        return float(share - 2 * hidden(points, solids, camera).mean() - covered - ends_on / 2)
 
     angles = product(range(-170, 180, 15), (22, 30))
     return max((Camera(np.deg2rad(a), np.deg2rad(e)) for a, e in angles), key=merit)
+
+
+def _seen(steps: Curve, camera: Camera) -> Float[np.ndarray, " points"]:
+    """Lengths in the picture (m)."""
+    return np.linalg.norm(camera.project(steps), axis=1)
+
+
+def _covered(
+    points: Curve, standing: Float[np.ndarray, "posts xyz"], camera: Camera
+) -> Bool[np.ndarray, " points"]:
+    """Which points have one of the others close in front of them."""
+    apart = camera.project(points)[:, None] - camera.project(standing)
+    near = np.linalg.norm(apart, axis=-1) < BESIDE
+    return (near & (standing @ camera.towards > (points @ camera.towards)[:, None])).any(axis=1)
 
 
 def _trajectories(ds: xr.Dataset | None) -> dict[str, Curve]:
@@ -150,22 +184,31 @@ def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -
 
 
 def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
-    """The cables at start and goal, and the ends they hang from."""
-    payload, ends = scenario.payload, [robot.end for robot in scenario.robots]
-    hook = payload.attachments == "hook"
-    offsets = [(0, 0, payload.height / 2)] * len(ends) if hook else payload.attachments
-    for name, dash in _CABLES.items():
-        place = getattr(scenario.task, name)
-        for offset, end in zip(offsets, ends, strict=True):
-            cable = refine(np.array([np.add(place, offset), end]), 60)
+    """The cables at start and goal, and the ends they hang from; those at the goal filled."""
+    hung = attachments_of(scenario)
+    ends = _ends(scenario)
+    for (name, dash), held in zip(_CABLES.items(), ends, strict=True):
+        lower = np.array(getattr(scenario.task, name), np.float64) + hung
+        for line in zip(lower, held, strict=True):
             paint_curve(
-                axes, camera, solids, cable, zorder=4.0, color=QUIET, linewidth=1.0, linestyle=dash
-            )
-    for number, end in enumerate(ends, start=1):
-        at = camera.project(np.asarray(end, np.float64))
-        axes.plot(*at, "o", ms=5, mfc="white", mec=INK, mew=1.2, zorder=6)
-        above = np.asarray(end) + 0.3 * camera.frame[1]
-        paint_label(axes, camera, above, f"P{'₀₁₂₃₄₅₆₇₈₉'[number % 10]}", fontsize=9)
+                axes, camera, solids, refine(np.array(line), 60), zorder=4.0, color=QUIET,
+                linewidth=1.0, linestyle=dash,
+            )  # fmt: skip
+    for held, face in ((ends[1], INK), (ends[0], "white")):
+        flat = camera.project(held)
+        axes.plot(*flat.T, "o", ms=5, mfc=face, mec=INK, mew=1.2, zorder=6 + (face == "white"))
+    for number, end in enumerate(ends[0], start=1):
+        above = end + 0.3 * camera.frame[1]
+        paint_label(axes, camera, above, f"P{subscript(number)}", fontsize=9)
+
+
+def _ends(scenario: Any) -> Float[np.ndarray, "places=2 cables xyz"]:
+    """The ends with the load at start and goal, moved by the plain rule of the drive mode."""
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    if moving(scenario.drive):
+        return ends_beside(scenario, task)
+    ends = np.array([robot.end for robot in scenario.robots], np.float64)
+    return np.stack([ends, ends])
 
 
 def _arms(axes: Axes, camera: Camera, scenario: Any) -> None:

@@ -93,9 +93,14 @@ class Camera(NamedTuple):
         """Indices of the bodies in the order in which to paint them."""
         depth = [solid.corners.mean(axis=0) @ self.towards for solid in solids]
         order = TopologicalSorter({i: set() for i in np.argsort(depth).tolist()})
-        for i, surface in enumerate(map(_surface, solids)):
+        surfaces = list(map(_surface, solids))
+        for i, back in enumerate(solids):
             for j, front in enumerate(solids):
-                if i != j and front.hides(surface, self.towards).any():
+                # The second is for small bodies, which cover none of the points of a large one.
+                if i != j and (
+                    front.hides(surfaces[i], self.towards).any()
+                    or back.hides(surfaces[j], -self.towards).any()
+                ):
                     order.add(j, i)
         try:
             return list(order.static_order())
@@ -130,11 +135,11 @@ def box(center, size, yaw_deg: float = 0.0) -> Solid:
     return _prism(center, ring @ turn, half[2], smooth=False)
 
 
-def cylinder(center, radius: float, height: float, sides: int = 48) -> Solid:
-    """An upright cylinder of full height (m)."""
+def cylinder(center, radius: float, height: float, turn=None, sides: int = 48) -> Solid:
+    """A cylinder of full height (m), upright or turned about its centre by a rotation (3, 3)."""
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return _prism(center, ring, height / 2, smooth=True)
+    return _prism(center, ring, height / 2, smooth=True, turn=turn)
 
 
 def sphere(center, radius: float, sides: int = 36) -> Solid:
@@ -157,10 +162,11 @@ def sphere(center, radius: float, sides: int = 36) -> Solid:
     return Solid.of_faces(faces, smooth=True)
 
 
-def _prism(center, ring, half_height: float, smooth: bool) -> Solid:
-    """An upright prism over a ring of (x, y) corners about its centre."""
+def _prism(center, ring, half_height: float, smooth: bool, turn=None) -> Solid:
+    """A prism over a ring of (x, y) corners about its centre, upright or turned about that."""
+    turn = np.eye(3) if turn is None else np.asarray(turn, np.float64)
     low, high = (
-        np.asarray(center, np.float64) + np.column_stack([ring, np.full(len(ring), z)])
+        np.asarray(center, np.float64) + np.column_stack([ring, np.full(len(ring), z)]) @ turn.T
         for z in (-half_height, half_height)
     )
     walls = [[low[i], low[j], high[j], high[i]] for i, j in enumerate(_next(len(ring)))]

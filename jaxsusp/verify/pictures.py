@@ -12,8 +12,8 @@ from jaxsusp._types import Float
 from jaxsusp.errors import InputError
 from jaxsusp.plans import Plan
 from jaxsusp.report.look import picture_file
-from jaxsusp.report.scene3d import best_view
-from jaxsusp.report.solids import of_obstacle
+from jaxsusp.report.planscene import Stills, plan_view
+from jaxsusp.report.solids import Camera
 from jaxsusp.verify.engine import mujoco
 from jaxsusp.verify.simulation import Simulation, simulate
 
@@ -21,6 +21,13 @@ WIDTH, HEIGHT = 1280, 720
 FRAMES = 15  # a second
 SPEED = 4.0
 """How much faster than life a film runs."""
+
+
+FIELD = 45.0
+"""Degrees; MuJoCo's vertical field of view."""
+
+BORDER = 0.08
+"""Share of the picture that stays empty around the system."""
 
 
 class NoRendererError(InputError):
@@ -84,22 +91,23 @@ def _no_renderer(error: Exception) -> NoRendererError:
 
 
 def _camera(plan: Plan) -> Any:
-    """A view of the whole system from where the path is seen best."""
-    points = np.vstack(
-        [
-            plan.end_path.reshape(-1, 3),
-            plan.position,
-            [robot.base for robot in plan.scenario.robots],
-        ]
-    )
-    low, high = points.min(axis=0), points.max(axis=0)
-    view = best_view([of_obstacle(each) for each in plan.scenario.obstacles], [plan.position])
+    """A view of the whole system, wherever it goes, from where the path is seen best."""
+    stills = Stills.of(plan)
+    points = np.concatenate([plan.position, stills.chains.reshape(-1, 3)])
+    view, middle = plan_view(plan, stills), (points.min(axis=0) + points.max(axis=0)) / 2
     camera = mujoco.MjvCamera()
-    camera.lookat[:] = (low + high) / 2
-    camera.distance = 1.05 * float(np.linalg.norm(high - low))
+    camera.lookat[:] = middle
+    camera.distance = _distance(points - middle, view)
     camera.azimuth = float(np.rad2deg(view.azimuth)) + 180  # MuJoCo's is where it looks to
     camera.elevation = -float(np.rad2deg(view.elevation))
     return camera
+
+
+def _distance(points: Float[np.ndarray, "points xyz"], view: Camera) -> float:
+    """How far from the middle the camera has to be for all points to be in its picture (m)."""
+    upright = np.tan(np.deg2rad(FIELD) / 2) * (1 - BORDER)
+    half = upright * np.array([WIDTH / HEIGHT, 1.0])
+    return float((np.abs(view.project(points)) / half + (points @ view.towards)[:, None]).max())
 
 
 def render(

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
+from scipy.spatial.transform import Rotation
 
 from jaxsusp.report import scene3d, solids
 from jaxsusp.report.look import PALETTE
-from jaxsusp.report.painting import hidden, paint_curve, refine
+from jaxsusp.report.painting import freest, hidden, paint_curve, refine
 from jaxsusp.report.solids import Camera, box, cylinder, of_obstacle, sphere
 
 FROM_SOUTH = Camera(-np.pi / 2, 0.0)
@@ -20,6 +21,7 @@ def scenario():
     """A wall and a ball between start and goal, three robots."""
     return SimpleNamespace(
         name="two bodies",
+        drive="cable",
         payload=SimpleNamespace(radius=0.1, height=0.3, attachments="hook"),
         workspace=SimpleNamespace(lower=(-3.5, -3.5, 0.2), upper=(3.5, 3.5, 5.5)),
         task=SimpleNamespace(start=(0, 2, 1), goal=(0, -2, 3)),
@@ -109,6 +111,30 @@ def test_bodies_are_painted_from_back_to_front():
     order = viewer.back_to_front(bodies)
     assert order.index(2) < order.index(1)
     assert FROM_SOUTH.back_to_front(bodies) == [2, 1, 0]
+
+
+def test_a_small_body_before_a_large_one_is_painted_after_it():
+    wall, pillar = box((0, 0, 2), (8, 0.4, 4)), cylinder((1, 6, 2), 0.2, 4.0)
+    small = cylinder((0.3, -1, 1.4), 0.1, 0.3)  # before no corner, edge or face centre of the wall
+    for order in ([wall, pillar, small], [small, wall, pillar]):
+        painted = [order[i] for i in FROM_SOUTH.back_to_front(order)]
+        assert [len(body.faces) for body in painted] == [50, 6, 50]
+        assert painted[-1] is small
+
+
+def test_a_turned_cylinder_is_the_upright_one_turned_about_its_centre():
+    center, turn = np.array([1.0, 2, 3]), Rotation.from_euler("xy", [20, -40], degrees=True)
+    upright, turned = cylinder(center, 0.2, 1.0), cylinder(center, 0.2, 1.0, turn.as_matrix())
+    expected = center + turn.apply(upright.corners - center)
+    np.testing.assert_allclose(turned.corners, expected, atol=1e-12)
+    np.testing.assert_allclose(turned.normals, turn.apply(upright.normals), atol=1e-12)
+
+
+def test_a_label_goes_to_the_first_place_with_room():
+    drawn = np.array([[0.0, 1.0], [0.3, 0.0]])
+    places = np.array([[0.0, 0.9], [0.0, -1.0], [-3.0, 0.0]])
+    assert freest(places, drawn, enough=0.5) == 1
+    assert freest(places, drawn, enough=9.0) == 2
 
 
 def test_bodies_that_run_into_each_other_are_painted_by_depth():
