@@ -131,7 +131,8 @@ def fitness_terms(
         samples: number of trajectory samples n.
         with_stability: whether S_cmin is checked among the violations.
         drive: how the ends follow the load, see `mechanics.drives`.
-        with_cables: whether contacts of cables count, or the load's alone.
+        with_cables: whether contacts of cables and arms and the places of moving ends count, or
+            the load's contacts alone.
         ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
             contacts are then counted by `count_between`.
     """
@@ -144,9 +145,10 @@ def fitness_terms(
     collisions = count(position, bodies, world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, ends)
     if moving(drive):
-        bases = bases_at(world, ends, drive)
-        violations += count_misplaced(world, ends, drive)
-        violations += count_arm_contacts(world, position, ends, bases)
+        if with_cables:
+            bases = bases_at(world, ends, drive)
+            violations += count_misplaced(world, ends, drive)
+            violations += count_arm_contacts(world, position, ends, bases)
     elif world.bodies.attachments.x.shape[0] > 1:
         violations += count_turned(world, turn_at(world, position, tensions))
     step = position.each(_difference)

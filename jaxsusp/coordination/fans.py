@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Bool, Float
+from jaxsusp.constraints import in_reach
 from jaxsusp.errors import InputError
 from jaxsusp.geometry.contacts import segments_clear
 from jaxsusp.mechanics.cables import attachment
@@ -122,7 +123,7 @@ def joint_candidates(
         margin: by which cables keep off obstacles: radius, clearance and what a motion asks (m).
         arms: whether the ends must be in reach of the robots as they stand.
     """
-    limits, robots = world.limits, world.robots
+    limits = world.limits
     vectors, lengths, columns = [], [], []
     feasible = jnp.ones((position.x.shape[0], len(choices)), bool)
     for k in range(world.cables):
@@ -133,9 +134,7 @@ def joint_candidates(
         fine &= (length >= limits.length_low) & (length <= limits.length_high)
         fine &= fan.z > lower.z
         if arms:
-            shoulder = robots.shoulder.each(lambda c, k=k: jnp.asarray(c)[k])
-            distance = norm(fan - shoulder)
-            fine &= (distance >= robots.nearest[k]) & (distance <= robots.farthest[k])
+            fine &= in_reach(world.robots, k, fan)
         chosen = choices[:, k]
         feasible &= fine[:, chosen]
         end = fan.each(lambda c, chosen=chosen: c[:, chosen])

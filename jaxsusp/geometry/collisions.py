@@ -104,7 +104,7 @@ def count_between(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[A
 def _cut(values: Array) -> Array:
     """Every segment along axis 0 in `PARTS`, evenly."""
     share = (jnp.arange(PARTS) / PARTS).astype(values.dtype)
-    share = share.reshape(-1, *(1,) * (values.ndim - 1))
+    share = share.reshape(1, -1, *(1,) * (values.ndim - 1))
     cut = values[:-1, None] * (1 - share) + values[1:, None] * share
     return jnp.concatenate([cut.reshape(-1, *values.shape[1:]), values[-1:]])
 

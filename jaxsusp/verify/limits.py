@@ -19,6 +19,10 @@ STRETCH = 1e-3
 """m by which a length (or a base's height) that its drive mode keeps may change between the
 points of a path: what a cable of 1e5 N/m stretches under 100 N."""
 
+JOINT_SPEED = 90.0
+"""Degrees per second that joints of moving arms may turn with. Ours: the paper gives no number,
+and heavy arms are hardly faster."""
+
 TURN = "turn of the load from level"
 """Name of the check that a level load is near its equilibrium."""
 
@@ -192,6 +196,13 @@ def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check
 
     for k in range(rigging.cables):
         checks.append(worst("reach", distance[:, k], float(near[k]), float(far[k]), "m", k))
+    if rigging.moves and not rigging.rolls:
+        speeds = np.abs(np.gradient(joints, times, axis=0)).max(axis=2)
+        at, k = np.unravel_index(int(speeds.argmax()), speeds.shape)
+        value, about = float(speeds[at, k]), f"robot {k + 1}"
+        checks.append(
+            Check("joint speed", value, -np.inf, JOINT_SPEED, "°/s", float(times[at]), about, 1e-9)
+        )
     limits = scenario.limits.joint_limits_deg
     if limits is not None:
         for k in range(rigging.cables):

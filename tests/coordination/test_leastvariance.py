@@ -297,9 +297,9 @@ def test_in_cable_mode_it_chooses_ends_that_stay(straight):
 
 def test_a_margin_is_kept_at_and_between_the_steps(straight):
     scenario, way = straight
-    found = js.moving_ends(scenario, way, margin=0.02)
+    found = js.moving_ends(scenario, way, margin=0.015)
     assert found.feasible, found.reason
-    limits = scenario.limits.model_copy(update={"cable_radius": 0.03})
+    limits = scenario.limits.model_copy(update={"cable_radius": 0.025})
     thick = scenario.model_copy(update={"limits": limits})
     assert contacts(thick, way, found.ends) == 0
 
