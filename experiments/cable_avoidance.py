@@ -1,4 +1,4 @@
-"""A panel and a wall that no fixed ends get the cables past, and ends that move (Eq. 20, Sect. 3.3).
+"""A panel and a wall that no fixed ends get the cables past, and ends that move (Eq. 20).
 
 On the straight way of the example "hybrid": contacts with the given ends, the search for ends that
 stay, the ends of least variance, and the finished plan with certificate, simulation and pictures.
@@ -19,6 +19,7 @@ OUTPUT = "results/cable-avoidance"
 
 
 def main() -> None:
+    """Print what happens with ends that stay and with ends that move; write the plan."""
     configure()
     console = Console()
     scenario = js.load_scenario(SCENARIO)
