@@ -1,15 +1,22 @@
 """Can the load be held at all?  The answer before any search (Eq. 22, tensions)."""
 
+from collections.abc import Sequence
 from itertools import product
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Float
+from jaxsusp.constraints import AXIS, in_reach
+from jaxsusp.coordination.rigging import ends_beside
 from jaxsusp.errors import InputError
 from jaxsusp.hanging import hanging_trouble
 from jaxsusp.loads import cable_loads
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.scenario import Scenario
+from jaxsusp.vec3 import Vec3
+from jaxsusp.world import build_world, cast_world
 
 GRID = (15, 15, 12)
 """Positions of the workspace that are looked at, per axis."""
@@ -49,12 +56,36 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
                 f"{scenario.name}: no plan is possible: at {name} {_place(place)} {trouble}; move "
                 "the task, the ends or the attachments, or raise limits.posture_deg"
             )
+        _require_reach(scenario, name, place)
         tensions = static_tensions(scenario, np.array([place], np.float64))[0]
         if worst := _worst(tensions, low, high):
             elsewhere = _elsewhere(scenario)
             raise ImpossibleTaskError(
                 f"{scenario.name}: no plan is possible: at {name} {_place(place)} {worst}"
                 f"{elsewhere}; {_remedy(tensions, high)}"
+            )
+
+
+def _require_reach(scenario: Scenario, name: str, place: Sequence[float]) -> None:
+    """Refuse a place where the plain rule of the drive mode puts an end out of its robot's reach.
+
+    Bases that roll take their reach along; ends that stay were looked at with the scenario.
+    """
+    if scenario.drive not in ("end", "hybrid"):
+        return
+    ends = ends_beside(scenario, np.array([place], np.float64))[0]
+    with jax.enable_x64(True):
+        robots = cast_world(build_world(scenario), np.float64).robots
+        for k, end in enumerate(ends):
+            if in_reach(robots, k, Vec3(*map(jnp.asarray, end))):
+                continue
+            away = np.linalg.norm(end - np.asarray(robots.shoulder.to_array())[k])
+            raise ImpossibleTaskError(
+                f"{scenario.name}: no plan is possible: at {name} {_place(place)} drive = "
+                f'"{scenario.drive}" takes the end of robot {k + 1} to {_place(end)}, {away:.4g} m '
+                f"from its shoulder; its arm reaches {float(robots.nearest[k]):g} to "
+                f"{float(robots.farthest[k]):g} m and keeps {AXIS:g} m off its own axis; move the "
+                "task, the end or the base"
             )
 
 

@@ -21,9 +21,10 @@ from jaxsusp.constraints import (
 )
 from jaxsusp.geometry.arms import count_arm_contacts
 from jaxsusp.geometry.collisions import count_between, count_collisions
-from jaxsusp.mechanics.cables import cable_lengths, cable_vectors, component
+from jaxsusp.mechanics.cables import attachment, cable_lengths, cable_vectors, component
 from jaxsusp.mechanics.drives import Anchors, bases_along, ends_along, moving
-from jaxsusp.mechanics.statics import force_tensions, weight
+from jaxsusp.mechanics.levelling import level_ends
+from jaxsusp.mechanics.statics import GRAVITY, force_tensions, weight
 from jaxsusp.mechanics.tilting import estimated_turn
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.vec3 import Vec3, norm
@@ -66,9 +67,22 @@ def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec
 
 
 def ends_at(world: World, position: Vec3, drive: str) -> Vec3:
-    """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode (§1)."""
-    anchors = Anchors(world.start, world.bodies.attachments, world.bodies.ends)
-    return ends_along(drive, position, anchors)
+    """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode (§1).
+
+    Where ends move, those of separate attachments are moved on until they hold the load level,
+    see `mechanics.levelling`.
+    """
+    bodies = world.bodies
+    ends = ends_along(drive, position, Anchors(world.start, bodies.attachments, bodies.ends))
+    if not moving(drive) or bodies.attachments.x.shape[0] == 1:
+        return ends
+    lower = [position + attachment(bodies.attachments, k) for k in range(world.cables)]
+    vectors = [component(ends, k) - at for k, at in enumerate(lower)]
+    tensions = tensions_at(world, position, ends)[1]
+    down = jnp.asarray([0.0, 0.0, -GRAVITY], position.x.dtype)
+    found = level_ends(lower, vectors, tensions, world.load(down))
+    x, y, z = (jnp.stack(columns) for columns in zip(*found, strict=True))
+    return Vec3(x, y, z)
 
 
 def bases_at(world: World, ends: Vec3, drive: str) -> Vec3:

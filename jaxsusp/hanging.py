@@ -19,7 +19,7 @@ from jaxsusp.fitness import ends_at
 from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.equilibrium import CONVERGED, Equilibrium, hang
-from jaxsusp.mechanics.load import Load, Pose, angles
+from jaxsusp.mechanics.load import Pose, angles
 from jaxsusp.mechanics.potential import is_stable, stiffness
 from jaxsusp.mechanics.redundant import hang_within
 from jaxsusp.mechanics.statics import GRAVITY, force_tensions
@@ -73,7 +73,7 @@ def equilibrium(
         `position` for a JAX array.
 
     Raises:
-        InputError: a tilted posture at a hook; separate attachments whose ends move.
+        InputError: a tilted posture at a hook; separate attachments whose ends no rule moves.
     """
     hook = scenario.payload.attachments == "hook"
     level = np.eye(3)
@@ -86,7 +86,7 @@ def equilibrium(
             "whatever its cables do; leave it out, or give separate payload.attachments"
         )
     if ends is None:
-        require_fixed_ends_if_separate(scenario)
+        require_rule(scenario)
     dtype = position.dtype if isinstance(position, jax.Array) else np.dtype(np.float64)
     with jax.enable_x64(dtype == np.float64):
         where = jnp.asarray(position, dtype)
@@ -132,20 +132,25 @@ def hanging_trouble(scenario: Scenario, position: Float[Array, "xyz"] | Sequence
     return "" if found.stable else "the equilibrium is not stable"
 
 
-def require_fixed_ends_if_separate(scenario: Scenario) -> None:
-    """Refuse separate attachments in modes whose ends move: the ends decide how the load hangs."""
-    if scenario.payload.attachments != "hook" and moving(scenario.drive):
+def require_rule(scenario: Scenario) -> None:
+    """Refuse separate attachments where no rule says how moving ends hold the load level.
+
+    Three ends that arms move can always (`mechanics.levelling`). Bases that roll keep heights and
+    lengths, which leaves too little; of more cables the lengths do not tell the tensions.
+    """
+    if scenario.payload.attachments == "hook" or not moving(scenario.drive):
+        return
+    if scenario.drive == "base":
         raise InputError(
-            f'{scenario.name}: drive = "{scenario.drive}" moves the ends, and with separate '
-            'payload.attachments they decide how the load hangs; give drive = "cable", or '
-            'attachments = "hook"'
+            f'{scenario.name}: drive = "base" with separate payload.attachments: bases that roll '
+            'cannot keep the load level; give drive = "end" or "hybrid", or attachments = "hook"'
         )
-
-
-def _load(world: World, gravity: Array) -> Load:
-    attachments = world.bodies.attachments.to_array()
-    rows = jnp.broadcast_to(attachments, (world.cables, 3))
-    return Load(world.mass, gravity, world.center_of_mass.to_array(), rows)
+    if len(scenario.robots) > 3:
+        raise InputError(
+            f'{scenario.name}: drive = "{scenario.drive}" with {len(scenario.robots)} separate '
+            "payload.attachments leaves open how tensions are shared; give three robots, "
+            'drive = "cable", or attachments = "hook"'
+        )
 
 
 def _packed_last(ends: Vec3) -> Float[Array, "*batch cables xyz"]:
@@ -156,7 +161,7 @@ def _packed_last(ends: Vec3) -> Float[Array, "*batch cables xyz"]:
 @jax.jit
 def _turned(world: World, start: Array, position: Array, gravity: Array, ends: Array) -> Hanging:
     def one(where: Array, field: Array, ends: Array) -> Hanging:
-        load = _load(world, field)
+        load = world.load(field)
         if world.cables == 3:
             found = hang(where, start, load, ends)
         else:
@@ -180,7 +185,7 @@ def _at_hook(world: World, start: Array, position: Array, gravity: Array, ends: 
     columns = jnp.stack(tensions, axis=-1)
 
     def softest(point: Array, field: Array, tension: Array, ends: Array) -> Array:
-        return stiffness(Pose(point, start), tension, _load(world, field), ends, hook=True)
+        return stiffness(Pose(point, start), tension, world.load(field), ends, hook=True)
 
     found = Equilibrium(
         Pose(position, jnp.broadcast_to(start, (*position.shape, 3))),

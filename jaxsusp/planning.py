@@ -19,12 +19,13 @@ from jaxsusp.errors import InputError, require, require_count, require_known, re
 from jaxsusp.feasibility import require_possible, static_tensions
 from jaxsusp.fitness import fitness_terms
 from jaxsusp.freespace.build import free_space
+from jaxsusp.hanging import require_rule
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.plans import Plan, plan_through, sample_path
-from jaxsusp.problem import Problem, Suspension, require_plannable, stack_problems
+from jaxsusp.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.search import SEARCHES
 from jaxsusp.trajectory.gentle import gently
@@ -123,7 +124,7 @@ def plan(
     """
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario)
-    require_plannable(scenario)
+    require_rule(scenario)
     counts = (
         ("runs", runs, 1), ("iterations", iterations, 1), ("population", population, 1),
         ("waypoints", waypoints, 1), ("samples", samples, 3), ("retries", retries, 0),
@@ -138,6 +139,11 @@ def plan(
         coordination == "alternation" or (ends == "placed" and not moving(scenario.drive)),
         'coordination = "joint" places ends that stay; give ends = "placed" and drive = "cable" '
         "with it",
+    )
+    require(
+        ends == "given" or not moving(scenario.drive) or scenario.payload.attachments == "hook",
+        'ends = "placed" leads moving ends of a hook alone: with separate payload.attachments '
+        'they hold the load level; give ends = "given"',
     )
     optimizer = algorithm_of(algorithm)
     require_possible(scenario, ends)

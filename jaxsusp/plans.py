@@ -17,10 +17,10 @@ import numpy as np
 from jaxsusp._types import Array, Float
 from jaxsusp.coordination.rigging import Rigging, ends_beside
 from jaxsusp.errors import InputError, require, require_count
+from jaxsusp.hanging import require_rule
 from jaxsusp.loads import Loads
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.load import angles
-from jaxsusp.problem import require_plannable
 from jaxsusp.scenario import Scenario
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
@@ -124,7 +124,7 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
-    require_plannable(scenario)
+    require_rule(scenario)
     require_count("samples", samples, least=3)
     waypoints = _points("waypoints", waypoints)
     require(len(waypoints) > 0, "waypoints: none given; give one or more")

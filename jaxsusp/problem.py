@@ -19,6 +19,7 @@ from jaxsusp.errors import InputError, require_count, require_known
 from jaxsusp.fitness import FitnessTerms, fitness_terms, waypoint_stability
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.hanging import require_rule
 from jaxsusp.scenario import Scenario
 from jaxsusp.search import SEARCHES, Regions, keep_inside, pad_regions, regions_of
 from jaxsusp.vec3 import Vec3
@@ -158,13 +159,13 @@ class Problem:
 
         Raises:
             InputError: too few waypoints or samples, an unknown search rule, a suspension that
-                planning cannot handle (see `require_plannable`), or no collision-free route where
-                the search is confined to the free space.
+                planning cannot handle (see `hanging.require_rule`), or no collision-free route
+                where the search is confined to the free space.
         """
         require_count("waypoints", waypoints)
         require_count("samples", samples, least=3)  # fewer define no curvature
         require_known("search", search, SEARCHES)
-        require_plannable(scenario)
+        require_rule(scenario)
         dtype = dtype or jnp.zeros(()).dtype
         world = build_world(scenario) if world is None else world
         if with_stability is None:
@@ -296,23 +297,3 @@ def _bounds(lower, upper) -> tuple[np.ndarray, np.ndarray]:
 def _is_pytree(value: Any) -> bool:
     """Whether JAX knows how to take a callable apart (a plain function is a leaf)."""
     return not jax.tree_util.all_leaves([value])
-
-
-def require_plannable(scenario: Scenario) -> None:
-    """Refuse separate attachments but for three cables with fixed ends.
-
-    With more of them a position does not say which of many postures and tensions is meant; with
-    moving ends the load is level only where the ends balance it, see `mechanics.graspmap`.
-    """
-    if scenario.payload.attachments == "hook":
-        return
-    if len(scenario.robots) != 3:
-        raise InputError(
-            f"{scenario.name}: planning with separate payload.attachments needs three robots, got "
-            f'{len(scenario.robots)}; give three, or attachments = "hook"'
-        )
-    if scenario.drive != "cable":
-        raise InputError(
-            f'{scenario.name}: drive = "{scenario.drive}" with separate payload.attachments '
-            'cannot be planned; give drive = "cable", or attachments = "hook"'
-        )

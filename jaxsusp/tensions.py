@@ -40,7 +40,7 @@ def tensions(
         `position` for a JAX array.
 
     Raises:
-        InputError: separate attachments whose ends move.
+        InputError: separate attachments whose ends no rule moves.
     """
     if scenario.payload.attachments != "hook":
         found = equilibrium(scenario, position, acceleration)

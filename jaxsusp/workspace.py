@@ -12,7 +12,7 @@ from jaxsusp.constraints import count_misplaced
 from jaxsusp.errors import InputError
 from jaxsusp.fitness import ends_at, tensions_at
 from jaxsusp.geometry.collisions import count_collisions
-from jaxsusp.hanging import Hanging, equilibrium, require_fixed_ends_if_separate
+from jaxsusp.hanging import Hanging, equilibrium, require_rule
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
@@ -80,7 +80,7 @@ def workspace(scenario: Scenario, spacing: float | None = None) -> Workspace:
         InputError: a spacing that is not positive or gives too many cells; separate attachments
             whose ends move.
     """
-    require_fixed_ends_if_separate(scenario)
+    require_rule(scenario)
     hook = scenario.payload.attachments == "hook"
     axes = _axes(scenario, spacing or (HOOK_SPACING if hook else SEPARATE_SPACING), spacing)
     shape = tuple(map(len, axes))

@@ -18,6 +18,7 @@ from jaxsusp.geometry.collisions import Bodies
 from jaxsusp.geometry.meshes import bounding_box
 from jaxsusp.geometry.obstacles import Obstacles, pack
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.mechanics.load import Load
 from jaxsusp.mechanics.tilting import attachment_motion, warning_half_extents
 from jaxsusp.vec3 import Vec3
 
@@ -92,6 +93,11 @@ class World(NamedTuple):
     def cables(self) -> int:
         """Number of cables K."""
         return self.bodies.ends.x.shape[-1]
+
+    def load(self, gravity: Float[Array, "xyz"]) -> Load:
+        """The load as `mechanics.load` sees it, in a field of gravity (m/s²)."""
+        rows = jnp.broadcast_to(self.bodies.attachments.to_array(), (self.cables, 3))
+        return Load(self.mass, gravity, self.center_of_mass.to_array(), rows)
 
 
 def obstacle_counts(scenarios: Sequence["Scenario"]) -> tuple[int, int, int]:

@@ -58,6 +58,7 @@ def test_systems_of_one_shape_share_a_program():
         ["end-driven"],
         ["four-robots"],
         ["hybrid"],
+        ["level-rim"],
         ["rim"],
         ["six-robots"],
         ["scenario-1", "scenario-6"],
@@ -69,12 +70,32 @@ def test_more_robots_are_compared_like_three():
     assert np.isfinite(ds["fitness"].values).all()
 
 
-def test_what_cannot_be_planned_says_why():
+def test_what_no_rule_moves_says_why():
     rim = js.load_scenario("rim")
-    with pytest.raises(js.InputError, match='give drive = "cable", or attachments = "hook"'):
-        js.Problem.from_scenario(rim.model_copy(update={"drive": "end"}))
+    with pytest.raises(js.InputError, match="bases that roll cannot keep the load level"):
+        js.Problem.from_scenario(rim.model_copy(update={"drive": "base"}))
     four = js.load_scenario("four-robots")
-    ring = tuple((0.1 * x, 0.1 * y, 0.15) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
-    separate = four.payload.model_copy(update={"attachments": ring})
-    with pytest.raises(js.InputError, match="needs three robots, got 4"):
-        js.Problem.from_scenario(four.model_copy(update={"payload": separate}))
+    separate = four.payload.model_copy(update={"attachments": RING})
+    led = four.model_copy(update={"payload": separate, "drive": "hybrid"})
+    with pytest.raises(js.InputError, match="with 4 separate .* leaves open"):
+        js.plan_through(led, EXAMPLES["four-robots"])
+    level = js.load_scenario("level-rim")
+    with pytest.raises(js.InputError, match='give ends = "given"'):
+        js.plan(level, ends="placed")
+    with pytest.raises(js.InputError, match="fans of ends are for cables that meet at a hook"):
+        js.moving_ends(level, np.linspace(level.task.start, level.task.goal, 9))
+
+
+RING = tuple((0.07 * x, 0.07 * y, 0.15) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
+
+
+def test_a_load_on_four_separate_cables_is_planned_too():
+    content = js.load_scenario("four-robots").model_dump()
+    content["payload"]["attachments"] = RING
+    content["task"] |= {"start": (-1.2, 0.9, 1.0), "goal": (1.3, -0.9, 2.5)}
+    content["obstacles"] = content["obstacles"][1:2]
+    ring = js.Scenario.model_validate(content)
+    plan = js.plan_through(ring, [(-0.7, 0.5, 1.4), (0.0, 0.0, 1.8), (0.7, -0.5, 2.2)])
+    assert plan.reasons == ()
+    assert 3 < np.rad2deg(np.abs(plan.angles).max()) < 10
+    assert simulate(plan).problems(plan) == []

@@ -119,8 +119,8 @@ def test_bad_shapes_are_refused(scenarios, waypoints, ends, message):
 
 
 def test_systems_whose_hanging_is_left_open_are_refused():
-    rim = js.load_scenario("rim").model_copy(update={"drive": "end"})
-    with pytest.raises(js.InputError, match=r'drive = "end" with separate payload.attachments'):
+    rim = js.load_scenario("rim").model_copy(update={"drive": "base"})
+    with pytest.raises(js.InputError, match=r'drive = "base" with separate payload.attachments'):
         js.plan_through(rim, LOW)
 
 
@@ -164,6 +164,16 @@ def test_a_task_whose_start_is_no_level_equilibrium_is_told_before_any_search(mo
 
 
 # Ends that move
+
+
+def test_ends_that_the_rule_takes_out_of_reach_are_told_before_any_search(monkeypatch):
+    monkeypatch.setattr("jaxsusp.planning.run_batch", lambda *_: pytest.fail("searched"))
+    far = changed(js.load_scenario("end-driven"), task={"goal": (3.2, -1.2, 1.6)})
+    with pytest.raises(js.ImpossibleTaskError) as told:
+        js.plan(far)
+    message = str(told.value)
+    assert 'at task.goal (3.2, -1.2, 1.6) drive = "end" takes the end of robot ' in message
+    assert "its arm reaches 1 to 5 m and keeps 0.5 m off its own axis" in message
 
 
 @pytest.fixture(scope="module")

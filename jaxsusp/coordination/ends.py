@@ -27,11 +27,12 @@ from jaxsusp.fitness import (
 )
 from jaxsusp.geometry.arms import ARM_MARGIN, choose_postures, separation_slack
 from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.hanging import require_rule
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
-from jaxsusp.problem import Problem, require_plannable, stack_problems
+from jaxsusp.problem import Problem, stack_problems
 from jaxsusp.scenario import Scenario
 from jaxsusp.vec3 import Vec3
 from jaxsusp.world import Robots, World, build_world, cast_world, rounded_counts
@@ -169,7 +170,7 @@ def end_bounds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
 
 def require_placeable(scenario: Scenario) -> None:
     """Refuse systems whose ends do not stay where they are placed."""
-    require_plannable(scenario)
+    require_rule(scenario)
     if moving(scenario.drive):
         raise InputError(
             f'{scenario.name}: drive = "{scenario.drive}" moves the ends along with the load; '

@@ -17,8 +17,8 @@ from jaxsusp.coordination.fans import combinations, offsets
 from jaxsusp.coordination.passes import Attempt, Found, Outlook, Task, move, stay
 from jaxsusp.coordination.smoothing import WIDTHS, running_means
 from jaxsusp.errors import InputError, require, require_count
+from jaxsusp.hanging import require_rule
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.problem import require_plannable
 from jaxsusp.scenario import Scenario
 from jaxsusp.world import build_world, cast_world
 
@@ -121,7 +121,12 @@ def fixed_ends(
 
 
 def _task(scenario: Scenario, position, fan: int, angle_deg: float, margin: float) -> Task:
-    require_plannable(scenario)
+    require_rule(scenario)
+    require(
+        scenario.payload.attachments == "hook",
+        f"{scenario.name}: fans of ends are for cables that meet at a hook: with separate "
+        'payload.attachments they would turn the load; give attachments = "hook"',
+    )
     require_count("fan", fan)
     require(0 < angle_deg <= 90, f"angle_deg = {angle_deg:g}: give degrees from above 0 to 90")
     require(0 <= margin < np.inf, f"margin = {margin:g}: give a finite number of at least 0 m")

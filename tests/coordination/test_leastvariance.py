@@ -339,5 +339,5 @@ def test_bad_requests_are_refused(straight):
         js.moving_ends(scenario, way, margin=-0.1)
     with pytest.raises(js.InputError, match="angle_deg = 0: give degrees"):
         js.moving_ends(scenario, way, angle_deg=0.0)
-    with pytest.raises(js.InputError, match='give drive = "cable", or attachments = "hook"'):
+    with pytest.raises(js.InputError, match="fans of ends are for cables that meet at a hook"):
         js.moving_ends(js.load_scenario("rim").model_copy(update={"drive": "end"}), way)
