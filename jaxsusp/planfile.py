@@ -155,6 +155,8 @@ def _plan(document: dict[str, Any], path: Path) -> Plan:
         if array.shape != wanted:
             raise ValueError(f"{name} has shape {array.shape}, not {wanted}")
         arrays[field] = array
+    if sizes["rows"] not in (1, sizes["points"]) or sizes["points"] < 3:
+        raise ValueError(f"{sizes['rows']} rows of end_path_m beside {sizes['points']} of path_m")
     certificate = document["certificate"]
     return Plan(
         scenario,
@@ -189,7 +191,7 @@ def save_csv(plan: Plan, path: str | os.PathLike[str]) -> None:
     for field, unit in kinematics:
         values = getattr(plan, field)
         columns |= {f"{axis}_{field}_{unit}": values[:, i] for i, axis in enumerate("xyz")}
-    columns |= {f"alpha_{i + 1}_rad": plan.angles[:, i] for i in range(3)}
+    columns |= {f"alpha_{i + 1}_rad": plan.angles[:, i] + 0.0 for i in range(3)}
     columns |= {f"length_{k}_m": plan.lengths[:, k - 1] for k in cables}
     columns |= {f"tension_{k}_N": plan.tensions[:, k - 1] for k in cables}
     ends = np.broadcast_to(plan.ends, plan.joints.shape)

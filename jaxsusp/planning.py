@@ -51,6 +51,9 @@ GAIN = 0.005
 
 MORE_WAYPOINTS = 2
 
+MOST_LED = 4
+"""Robots whose ends least variance leads: joint candidates grow with their number as a power."""
+
 
 class Event(NamedTuple):
     """What a progress callback is told."""
@@ -144,6 +147,11 @@ def plan(
         ends == "given" or not moving(scenario.drive) or scenario.payload.attachments == "hook",
         'ends = "placed" leads moving ends of a hook alone: with separate payload.attachments '
         'they hold the load level; give ends = "given"',
+    )
+    require(
+        ends == "given" or not moving(scenario.drive) or len(scenario.robots) <= MOST_LED,
+        f'ends = "placed" leads the moving ends of at most {MOST_LED} robots, got '
+        f'{len(scenario.robots)}; give ends = "given"',
     )
     optimizer = algorithm_of(algorithm)
     require_possible(scenario, ends)

@@ -21,11 +21,14 @@ from jaxsusp.hanging import require_rule
 from jaxsusp.loads import Loads
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.load import angles
-from jaxsusp.scenario import Scenario
+from jaxsusp.scenario import Scenario, load_scenario
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
 from jaxsusp.verify.certificate import Certificate, certify
 from jaxsusp.verify.limits import TURN, Check, constraint_report
+
+FAR = 1e6
+"""m; the greatest coordinate of waypoints and ends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +101,7 @@ class Plan:
 
 
 def plan_through(
-    scenario: Scenario,
+    scenario: Scenario | str | os.PathLike[str],
     waypoints: Float[Array, "..."] | Sequence,
     ends: Float[Array, "..."] | Sequence | None = None,
     samples: int = 40,
@@ -109,12 +112,12 @@ def plan_through(
     """The plan that goes through given waypoints, checked.
 
     Args:
-        scenario: the task.
+        scenario: the task, or its name or file.
         waypoints: (m, 3), positions of the load's centre between start and goal (m).
         ends: upper cable ends (m): (K, 3), or (n, K, 3) beside the samples of the path in a drive
             mode that moves them; default the scenario's, moved by the plain rule of its mode.
         samples: number n of samples of the path and of the plan.
-        elbow_up: of every robot; default chosen, see `jaxsusp.coordination.arms`.
+        elbow_up: of every robot; default chosen, see `jaxsusp.geometry.arms`.
         settings: kept with the plan.
 
     Returns:
@@ -124,6 +127,8 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
+    if not isinstance(scenario, Scenario):
+        scenario = load_scenario(scenario)
     require_rule(scenario)
     require_count("samples", samples, least=3)
     waypoints = _points("waypoints", waypoints)
@@ -131,6 +136,12 @@ def plan_through(
     path = sample_path(scenario, waypoints, samples)
     law = TimeLaw.through(path, scenario.task.duration)
     end_path = ends_beside(scenario, path) if ends is None else _end_path(scenario, ends, samples)
+    if elbow_up is not None:
+        elbow_up = np.array(elbow_up, bool)
+        require(
+            elbow_up.shape == (len(scenario.robots),),
+            f"elbow_up: got shape {elbow_up.shape}; give one truth value per robot",
+        )
     rigging = Rigging.of(scenario, law, end_path, elbow_up)
     certificate = certify(rigging)
     report = constraint_report(rigging, certificate)
@@ -169,17 +180,16 @@ _makima = jax.jit(makima, static_argnums=1)
 
 def _end_path(scenario: Scenario, given: Any, samples: int) -> np.ndarray:
     """Ends as rows beside the path, as many as the drive mode asks for."""
-    ends, count = np.array(given, np.float64), len(scenario.robots)
+    ends, count = _numbers("ends", given), len(scenario.robots)
     if not moving(scenario.drive):
         shape, what = (count, 3), "give one per robot"
     else:
         shape = samples, count, 3
         what = f'drive = "{scenario.drive}" moves them; give one per sample and robot'
-    if ends.shape != shape or not np.isfinite(ends).all():
-        raise InputError(
-            f"ends: got an array of shape {ends.shape} for {count} robots; {what}: finite numbers "
-            f"of shape {shape}, in m"
-        )
+    require(
+        ends.shape == shape,
+        f"ends: got an array of shape {ends.shape} for {count} robots; {what}: shape {shape}, in m",
+    )
     return ends.reshape(-1, count, 3)
 
 
@@ -192,13 +202,24 @@ _angles_of = jax.jit(jax.vmap(angles))
 
 
 def _points(name: str, given: Any) -> np.ndarray:
-    points = np.array(given, np.float64)
-    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InputError(
-            f"{name}: got an array of shape {points.shape}; give finite positions (rows of x, y, "
-            "z) in m"
-        )
+    """Positions (rows of x, y, z) from what a person gave."""
+    points = _numbers(name, given)
+    require(
+        points.ndim == 2 and points.shape[1] == 3,
+        f"{name}: got an array of shape {points.shape}; give positions (rows of x, y, z) in m",
+    )
     return points
+
+
+def _numbers(name: str, given: Any) -> np.ndarray:
+    """Finite numbers of a size that a plan can be made of."""
+    try:
+        values = np.array(given, np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: is no array of numbers; give rows of x, y, z in m") from None
+    wrong = values[~(np.abs(values) <= FAR)]
+    require(wrong.size == 0, f"{name}: has {wrong[:1]} in it; give finite numbers up to {FAR:g} m")
+    return values
 
 
 def _reasons(report: tuple[Check, ...], certificate: Certificate) -> list[str]:

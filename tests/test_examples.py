@@ -77,7 +77,7 @@ def test_what_no_rule_moves_says_why():
     four = js.load_scenario("four-robots")
     separate = four.payload.model_copy(update={"attachments": RING})
     led = four.model_copy(update={"payload": separate, "drive": "hybrid"})
-    with pytest.raises(js.InputError, match="with 4 separate .* leaves open"):
+    with pytest.raises(js.InputError, match=r"with 4 separate .* leaves open"):
         js.plan_through(led, EXAMPLES["four-robots"])
     level = js.load_scenario("level-rim")
     with pytest.raises(js.InputError, match='give ends = "given"'):
@@ -93,7 +93,7 @@ def test_a_load_on_four_separate_cables_is_planned_too():
     content = js.load_scenario("four-robots").model_dump()
     content["payload"]["attachments"] = RING
     content["task"] |= {"start": (-1.2, 0.9, 1.0), "goal": (1.3, -0.9, 2.5)}
-    content["obstacles"] = content["obstacles"][1:2]
+    content["obstacles"] = ()
     ring = js.Scenario.model_validate(content)
     plan = js.plan_through(ring, [(-0.7, 0.5, 1.4), (0.0, 0.0, 1.8), (0.7, -0.5, 2.2)])
     assert plan.reasons == ()

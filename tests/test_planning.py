@@ -101,6 +101,22 @@ def test_ends_that_are_too_low_are_told_with_cable_and_place(scenarios):
     feasibility.require_possible(scenarios[0])
 
 
+def test_ends_are_led_past_what_fixed_ones_cannot_pass():
+    """The straight way of the example, which no ends that stay can do."""
+    led = js.plan("hybrid", "pso", "placed", **SMALL)
+    assert led.feasible, led.reasons
+    assert led.ends.shape == (40, 3, 3)
+    np.testing.assert_allclose(led.position[:, 1], 0, atol=1e-6)
+    assert np.ptp(led.ends[:, 0, 2]) > 0.5  # robot 1 raises its end on the way
+    assert led.settings["fitness"] < 50  # no contact is counted
+
+
+def test_more_ends_than_can_be_led_are_told_before_any_search():
+    content = js.load_scenario("six-robots").model_dump() | {"drive": "hybrid"}
+    with pytest.raises(js.InputError, match="of at most 4 robots, got 6"):
+        js.plan(js.Scenario.model_validate(content), ends="placed")
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

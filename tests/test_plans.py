@@ -33,6 +33,7 @@ def test_a_good_plan_is_feasible_and_consistent(plan, scenarios):
     assert plan.certificate.proved
     assert plan.reasons == ()
     assert all(each.ok for each in plan.report)
+    assert limit(plan, "distance off the goal").value < 1e-9
     np.testing.assert_allclose(plan.position[0], scenarios[0].task.start, atol=1e-12)
     np.testing.assert_allclose(plan.position[-1], scenarios[0].task.goal, atol=1e-12)
     hooks = plan.position + np.array([0, 0, 0.15])
@@ -110,7 +111,10 @@ def test_joint_limits_and_workspace_are_checked(plan):
         ([[0.0, 0.0]], None, "waypoints"),
         ([[0.0, np.nan, 1.0]], None, "waypoints"),
         (LOW, [[0.0, 6.0, 7.0]], "one per robot"),
-        (LOW, [[0.0, np.nan, 7.0]] * 3, "finite"),
+        (LOW, [[0.0, np.nan, 7.0]] * 3, "ends: has .* give finite numbers"),
+        ([[1e200, 0.0, 1.0]], None, "waypoints: has .* give finite numbers up to 1e"),
+        ([[0.0, 0.0, 1.0], [1.0]], None, "waypoints: is no array of numbers"),
+        ("here", None, "waypoints: is no array of numbers"),
     ],
 )
 def test_bad_shapes_are_refused(scenarios, waypoints, ends, message):
@@ -122,6 +126,50 @@ def test_systems_whose_hanging_is_left_open_are_refused():
     rim = js.load_scenario("rim").model_copy(update={"drive": "base"})
     with pytest.raises(js.InputError, match=r'drive = "base" with separate payload.attachments'):
         js.plan_through(rim, LOW)
+
+
+def test_elbows_are_one_truth_value_per_robot(scenarios):
+    with pytest.raises(js.InputError, match="one truth value per robot"):
+        js.plan_through(scenarios[0], LOW, elbow_up=True)
+
+
+def test_a_cable_in_its_own_link_is_refused(plan):
+    """Robot 1 stands so that its lower link lies along its own cable."""
+    robots = list(plan.scenario.model_dump()["robots"])
+    hook, end = plan.position[0] + [0, 0, 0.15], np.array(robots[0]["end"])
+    along = (hook - end) / np.linalg.norm(hook - end)
+    elbow = end + 2.0 * along  # the lower link is 2 m long
+    out = np.array([0.0, 3.0 * np.cos(np.deg2rad(70)), -3.0 * np.sin(np.deg2rad(70))])
+    shoulder = elbow + out
+    robots[0] |= {"base": tuple((shoulder - [0, 0, 4]).tolist())}
+    content = plan.scenario.model_dump() | {"robots": robots, "obstacles": ()}
+    bent = js.Scenario.model_validate(content)
+    found = [
+        js.plan_through(bent, plan.waypoints, elbow_up=[up, False, False]) for up in (True, False)
+    ]
+    bad = max(found, key=lambda each: sum("lower link" in reason for reason in each.reasons))
+    assert any(reason.startswith("cable 1 hits lower link of robot 1") for reason in bad.reasons)
+
+
+def test_a_cable_through_its_own_load_is_refused():
+    content = js.load_scenario("rim").model_dump()
+    content["payload"] |= {
+        "attachments": ((0, 0.05, -0.15), (-0.0435, -0.025, -0.15), (0.0435, -0.025, -0.15)),
+        "center_of_mass": (0.0, 0.0, -0.14),
+    }
+    bad = js.plan_through(js.Scenario.model_validate(content), ON_THE_RIM)
+    assert any(reason.startswith("greatest share of a cable in its load") for reason in bad.reasons)
+    good = js.plan_through(js.load_scenario("rim"), ON_THE_RIM)
+    assert limit(good, "greatest share of a cable in its load").value == 0
+
+
+def test_ends_that_move_while_the_load_pauses_are_refused():
+    scenario = changed(js.load_scenario("hybrid"), task={"goal": (-2.4, 0.0, 1.0)})
+    way = np.tile([-2.4, 0.0, 1.0], (3, 1))
+    ends = np.tile([robot.end for robot in scenario.robots], (40, 1, 1))
+    ends[20:, 0] += 1.0
+    with pytest.raises(js.InputError, match="what goes beside a path moves along with it"):
+        js.plan_through(scenario, way, ends)
 
 
 # Separate attachments

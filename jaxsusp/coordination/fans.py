@@ -40,7 +40,8 @@ def combinations(fan: int, cables: int) -> np.ndarray:
         InputError: more than `MOST`.
     """
     if fan**cables > MOST:
-        most = int(MOST ** (1 / cables) + 1e-9)
+        side = int(MOST ** (0.5 / cables) + 1e-9)
+        most = (side - 1 + side % 2) ** 2  # an odd square, which makes a grid in every mode
         raise InputError(
             f"fan = {fan}: {fan}^{cables} joint candidates per step are too many; give at most "
             f"{most} candidates per cable for {cables} cables"

@@ -5,7 +5,7 @@ angles rounds the kinks that remain where every limit allows it (`smoothing`).
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -49,7 +49,7 @@ class Coordination(NamedTuple):
 
 def moving_ends(
     scenario: Scenario,
-    position: Float[Array, "samples xyz"],
+    position: Float[Array, "samples xyz"] | Sequence,
     fan: int = 9,
     angle_deg: float = 10.0,
     keep: int = 729,
@@ -97,7 +97,7 @@ def moving_ends(
 
 def fixed_ends(
     scenario: Scenario,
-    position: Float[Array, "samples xyz"],
+    position: Float[Array, "samples xyz"] | Sequence,
     fan: int = 9,
     angle_deg: float = 10.0,
     margin: float = 0.0,
@@ -130,7 +130,10 @@ def _task(scenario: Scenario, position, fan: int, angle_deg: float, margin: floa
     require_count("fan", fan)
     require(0 < angle_deg <= 90, f"angle_deg = {angle_deg:g}: give degrees from above 0 to 90")
     require(0 <= margin < np.inf, f"margin = {margin:g}: give a finite number of at least 0 m")
-    where = np.asarray(position, np.float64)
+    try:
+        where = np.asarray(position, np.float64)
+    except (TypeError, ValueError):
+        raise InputError("position: is no array of numbers; give (samples, 3) of them") from None
     if where.ndim != 2 or where.shape[1] != 3 or len(where) < 2 or not np.isfinite(where).all():
         raise InputError(
             f"position of shape {where.shape}: give the load's way as (samples, 3) finite numbers"

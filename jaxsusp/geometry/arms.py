@@ -24,6 +24,9 @@ from jaxsusp.world import Robots, World
 PARTS = 3
 """Bodies of an arm: column, upper link, lower link."""
 
+NEAR_END = 0.1
+"""Share of a cable's length, from its upper end, that may touch the link at whose end it begins."""
+
 ARM_MARGIN = 0.02
 """m of clearance of arms beyond what is required: they are looked at at the samples only."""
 
@@ -42,7 +45,7 @@ def choose_postures(world: World, position: Vec3, ends: Float[Array, "cables xyz
 
     An arm whose elbow is up leans over its own column, where its own cable may pass: with the
     nominal ends of the benchmark it does. What is in the way is told at the samples: obstacles,
-    the load, the cables of others, and the own cable as far as column and upper link go.
+    the load, and cables; of the own cable the first tenth may touch the lower link.
 
     Args:
         world: robots, obstacles, load and distances required.
@@ -163,7 +166,14 @@ def _slack(world: World, robots: Robots, position: Vec3, ends, chains) -> Float[
     own[range(count), PARTS - 1, range(count)] = True  # the cable begins at the end of the link
     cables = jnp.where(own, jnp.inf, cables.min(axis=-1)).min(axis=-1) - bodies.cable_radius
 
+    top = Vec3.from_array(ends).each(lambda c: c[:, None])
+    begun = top + (hooks - top) * NEAR_END
+    link = starts.each(lambda c: c[:, -1:]), stops.each(lambda c: c[:, -1:])
+    own_link = segment_distance(*link, hooks, begun).min(axis=-1)
+    own_link = own_link - bodies.cable_radius - robots.radius[:, -1]
+
     least = (jnp.minimum(load, cables) - robots.radius).min(axis=-1) - bodies.clearance
+    least = jnp.minimum(least, own_link)
     wide = robots.radius + bodies.clearance
     return jnp.where(_meets(world.obstacles, starts, stops, wide).any(axis=-1), -1, least)
 

@@ -88,7 +88,9 @@ def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> In
 
 
 def count_between(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, "*batch"]:
-    """The same count with every segment cut into `PARTS`: tighter where ends move, as sound.
+    """As `count_collisions` with every segment cut into `PARTS`: as sound, tighter where ends move.
+
+    It is 0 where that is; where it is not it counts the parts of segments that have a contact.
 
     Args:
         position: payload centre, samples on axis 0, any trailing batch axes (m).

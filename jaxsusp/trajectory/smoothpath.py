@@ -78,14 +78,18 @@ class SmoothPath:
         require(bool(np.isfinite(self.points).all()), "a point of the path is not finite")
 
     @cached_property
+    def _chords(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lengths up to every point, and which points are not where the one before is."""
+        chord = np.linalg.norm(np.diff(np.asarray(self.points, np.float64), axis=0), axis=1)
+        moves = np.append(True, chord > 1e-9 * max(1.0, float(chord.sum())))
+        return np.append(0.0, np.cumsum(chord)), moves
+
+    @cached_property
     def _knots(self) -> tuple[np.ndarray, np.ndarray]:
         """Parameters, at least four of them, and the (fractional) numbers of the points there."""
-        points = np.asarray(self.points, np.float64)
-        chord = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        moves = np.append(True, chord > 1e-9 * max(1.0, float(chord.sum())))
-        u = np.append(0.0, np.cumsum(chord))[moves]
-        number = np.flatnonzero(moves).astype(np.float64)
-        number[-1] = len(points) - 1
+        u, moves = self._chords
+        u, number = u[moves], np.flatnonzero(moves).astype(np.float64)
+        number[-1] = len(moves) - 1
         if len(u) == 1:  # a path that stays where it is
             u, number = np.array([0.0, 1.0]), np.array([0.0, 0.0])
         while len(u) < 4:  # the natural quintic spline needs four
@@ -98,6 +102,12 @@ class SmoothPath:
         """A spline in this path's parameter, through one row of values per point."""
         u, number = self._knots
         flat = np.asarray(rows, np.float64).reshape(len(rows), -1)
+        pauses = np.flatnonzero(~self._chords[1])
+        require(
+            bool((np.abs(flat[pauses] - flat[pauses - 1]) <= 1e-6).all()),
+            f"values change at point {pauses[:1]} of the path, where it does not move; what goes "
+            "beside a path moves along with it",
+        )
         below, share = np.floor(number).astype(int), (number % 1)[:, None]
         above = np.minimum(below + 1, len(flat) - 1)
         return Spline(u, (1 - share) * flat[below] + share * flat[above])

@@ -71,8 +71,8 @@ def certify(rigging: Rigging, first_only: bool = False) -> Certificate:
 
     Required are the warning distance ϑ between load, cables, arms and obstacles, and between load
     or cables and arms; `limits.separation` between arms and ends of different robots; and that
-    cables do not touch each other. A cable is checked against the column and the upper link of
-    its own arm; it begins at the end of the lower one.
+    cables do not touch each other, nor the lower link at whose end they begin, nor a lower link
+    its own column. The ground is no body.
 
     Args:
         rigging: the load's curve, with ends and arms.

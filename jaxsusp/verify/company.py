@@ -13,6 +13,7 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.geometry.arms import NEAR_END
 from jaxsusp.verify.elbow import elbow
 from jaxsusp.verify.scene import Shape, obstacle_shape
 from jaxsusp.world import attachments_of, warning_shape
@@ -30,6 +31,8 @@ KINDS = (
     "arms to obstacles",
     "arms to each other",
     "ends to each other",
+    "cables to their own links",
+    "arms to themselves",
 )
 """What is measured, in the order of the report."""
 
@@ -102,6 +105,10 @@ class Company:
                 self._body(f"cable {k + 1}", self._above_hook(k), upper[k], shape.cable_radius)
                 for k in cables
             ]
+        held = [
+            self._body(f"cable {k + 1}", lower[k], self._below_end(k), shape.cable_radius)
+            for k in cables
+        ]
         gap, separation = scenario.limits.clearance, scenario.limits.separation
         links = [(k, part, body) for k in cables for part, body in enumerate(arms[k])]
         pairs = [
@@ -122,6 +129,8 @@ class Company:
                 if j != k
             ),
             *(Pair(other, one, 7, separation) for one, other in combinations(ends, 2)),
+            *(Pair(held[k], arms[k][2], 8, 0.0) for k in cables),
+            *(Pair(arm[2], arm[0], 9, 0.0) for arm in arms),
         ]
         self.pairs = pairs
         along, share, track, constant, elbow_of = zip(*self._points, strict=True)
@@ -175,6 +184,13 @@ class Company:
         if self.rigging.moves:
             return self._point(1 - NEAR_HOOK, NEAR_HOOK, k, hook)
         return self._point(1 - NEAR_HOOK, at=hook + NEAR_HOOK * self.rigging.end_path[0, k])
+
+    def _below_end(self, k: int) -> int:
+        """Where the part of a cable ends that is checked against its own lower link."""
+        lower = (NEAR_END, attachments_of(self.rigging.scenario)[k] * NEAR_END)
+        if self.rigging.moves:
+            return self._point(lower[0], 1 - NEAR_END, k, lower[1])
+        return self._point(lower[0], at=lower[1] + (1 - NEAR_END) * self.rigging.end_path[0, k])
 
     def _arm(self, k: int, end: int) -> list[int]:
         """Column, upper and lower link of one robot."""

@@ -9,6 +9,7 @@ from jaxsusp.coordination.rigging import Rigging
 from jaxsusp.loads import Loads, cable_loads
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.scenario import Scenario
+from jaxsusp.trajectory.timelaw import Motion
 from jaxsusp.verify.certificate import ROUNDING, Certificate
 from jaxsusp.world import attachments_of
 
@@ -89,7 +90,7 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
     balance = _ratio(loads.tensions.min(axis=1), loads.tensions.max(axis=1))
     inf = np.inf
     checks = [
-        *_posture(scenario, loads, motion.acceleration, times),
+        *_posture(scenario, loads, motion, ends, times),
         *_distances(certificate),
         _of_cable("length", loads.lengths, times, min, limits.cable_length[0], inf, "m"),
         _of_cable("length", loads.lengths, times, max, -inf, limits.cable_length[1], "m"),
@@ -100,13 +101,15 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
         _extreme("tension ratio C_t", balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
         _extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
         *_inside(scenario, motion.position, times),
+        *_task(scenario, motion.position, times),
         *_robots(rigging, ends, times),
     ]
     return tuple(checks)
 
 
-def _posture(scenario: Scenario, loads: Loads, acceleration, times) -> list[Check]:
+def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> list[Check]:
     """How the load hangs."""
+    position, acceleration = motion.position, motion.acceleration
     limit, inf = scenario.limits.posture_deg, np.inf
     if scenario.payload.attachments == "hook":
         sideways = np.linalg.norm(acceleration[:, :2], axis=1)
@@ -114,11 +117,33 @@ def _posture(scenario: Scenario, loads: Loads, acceleration, times) -> list[Chec
         return [_extreme("tilt of the load", tilt, times, max, -inf, limit, "°")]
     turn = np.where(loads.balanced, np.rad2deg(loads.turn), np.nan)
     missing = np.where(loads.balanced, 0.0, loads.missing)
+    through = _cables_in_load(scenario, loads, position, ends).astype(float)
     return [
         _extreme(TURN, turn, times, max, -inf, limit, "°"),
+        _of_cable("share of a cable in its load", through, times, max, -inf, 0.0, ""),
         _extreme("moment that no tension balances", missing, times, max, -inf, 0.0, "N m"),
         _extreme("stiffness of the equilibrium", loads.stiffness, times, min, 0.0, inf, "N/m"),
     ]
+
+
+def _cables_in_load(scenario: Scenario, loads: Loads, position, ends) -> np.ndarray:
+    """Share of every cable that is inside the load it carries, at every instant (times, K).
+
+    Seen in the load's own frame, where it is an upright cylinder; a millimetre does not count.
+    """
+    payload, skin = scenario.payload, 1e-3
+    radius, half = max(payload.radius - skin, 0.0), max(payload.height / 2 - skin, 0.0)
+    start = np.broadcast_to(attachments_of(scenario), ends.shape)
+    way = np.einsum("tji,tkj->tki", loads.posture, ends - position[:, None]) - start
+    with np.errstate(divide="ignore", invalid="ignore"):
+        caps = (np.array([-half, half]) - start[..., 2:]) / way[..., 2:]
+        a = (way[..., :2] ** 2).sum(axis=-1)
+        b = (way[..., :2] * start[..., :2]).sum(axis=-1)
+        c = (start[..., :2] ** 2).sum(axis=-1) - radius**2
+        root = np.sqrt(b**2 - a * c)  # NaN: beside the cylinder
+        low = np.maximum.reduce([caps.min(axis=-1), (-b - root) / a, np.zeros_like(a)])
+        high = np.minimum.reduce([caps.max(axis=-1), (-b + root) / a, np.ones_like(a)])
+    return np.nan_to_num(np.maximum(high - low, 0.0))
 
 
 def _kept(rigging: Rigging, lengths: np.ndarray, ends: np.ndarray, times) -> list[Check]:
@@ -178,6 +203,15 @@ def _inside(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list
             -WORKSPACE_TOLERANCE, np.inf, "m", "load",
         )
     ]  # fmt: skip
+
+
+def _task(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list[Check]:
+    """Whether the plan begins at the start and ends at the goal."""
+    found, inf = [], np.inf
+    for name, row, place in (("start", 0, scenario.task.start), ("goal", -1, scenario.task.goal)):
+        off, when = float(np.linalg.norm(position[row] - place)), float(times[row])
+        found.append(Check(f"distance off the {name}", off, -inf, 1e-6, "m", when, "load"))
+    return found
 
 
 def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check]:

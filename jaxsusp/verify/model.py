@@ -124,7 +124,7 @@ def _geom(world: Any, name: str, shape: Shape) -> None:
 def _load(spec: Any, plan: Plan) -> None:
     """The load at the start: three translations, a ball joint, and its attachments."""
     payload = plan.scenario.payload
-    hook = payload.height / 2
+    hook = payload.height / 2 - payload.center_of_mass[2]  # above the centre of mass
     body = spec.worldbody.add_body(name="load", pos=plan.scenario.task.start)
     for name, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])):
         body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)

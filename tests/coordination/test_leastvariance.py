@@ -329,12 +329,14 @@ def test_bad_requests_are_refused(straight):
     for fan in (4, 8):
         with pytest.raises(js.InputError, match=f"fan = {fan}: give an odd square number"):
             js.moving_ends(scenario, way, fan=fan)
-    with pytest.raises(js.InputError, match=r"fan = 49: .* give at most 27 candidates per cable"):
+    with pytest.raises(js.InputError, match=r"fan = 49: .* give at most 25 candidates per cable"):
         js.moving_ends(scenario, way, fan=49)
     with pytest.raises(js.InputError, match="fan = 4: give an odd number, such as 9"):
         js.moving_ends(js.load_scenario("base-driven"), way, fan=4)
     with pytest.raises(js.InputError, match="finite numbers"):
         js.moving_ends(scenario, way * np.nan)
+    with pytest.raises(js.InputError, match="is no array of numbers"):
+        js.moving_ends(scenario, [[0, 0, 1], [1, 2]])
     with pytest.raises(js.InputError, match=r"margin = -0\.1: give a finite number"):
         js.moving_ends(scenario, way, margin=-0.1)
     with pytest.raises(js.InputError, match="angle_deg = 0: give degrees"):
