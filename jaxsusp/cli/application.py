@@ -91,7 +91,7 @@ def interrupts() -> Iterator[Callable[[], None]]:
 def wide_console() -> Console:
     """Stdout for tables of seven columns: into a pipe they are not cut at 80 characters."""
     stdout = Console()
-    return stdout if stdout.is_terminal else Console(width=max(stdout.width, 110))
+    return stdout if stdout.is_terminal else Console(width=max(stdout.width, 132))
 
 
 def print_rows(rows: list[dict], as_json: bool) -> None:

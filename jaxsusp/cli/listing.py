@@ -24,6 +24,7 @@ def scenarios(
             "scenario": each.name,
             "robots": len(each.robots),
             "drive": each.drive,
+            "attachments": "hook" if each.payload.attachments == "hook" else "separate",
             "obstacles": len(each.obstacles),
             "start": list(each.task.start),
             "goal": list(each.task.goal),

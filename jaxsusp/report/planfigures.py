@@ -111,7 +111,7 @@ def _reaching(plan: Plan, times: np.ndarray) -> Figure:
         if given is not None:
             for color, bounds in zip(colors, given[k if len(given) > 1 else 0], strict=True):
                 _limits(turns, bounds, color)
-        _curves(reach, times, distance[:, k, None], [CABLES[k % len(CABLES)]])
+        _curves(reach, times, distance[:, k, None], [INK])
         _limits(reach, (abs(upper[k] - lower[k]), upper[k] + lower[k]))
     heading(figure, f"{plan.scenario.name}: ends that the arms move")
     names = {f"{axis}, φ{subscript(i)}": AXES[axis] for i, axis in enumerate(AXES, start=1)}
@@ -127,7 +127,7 @@ def _rolling(plan: Plan, times: np.ndarray) -> Figure:
     figure, grid = _per_cable(plan.rigging.cables, "robot", rows)
     for k, (way, rate) in enumerate(zip(*grid, strict=True)):
         _curves(way, times, (feet[:, k] - feet[0, k])[:, :2], level.values())
-        _curves(rate, times, speed[:, k, None], [CABLES[k % len(CABLES)]])
+        _curves(rate, times, speed[:, k, None], [INK])
     heading(figure, f"{plan.scenario.name}: bases that carry the ends along")
     legend(figure, _samples(level))
     return figure

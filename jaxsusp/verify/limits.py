@@ -120,7 +120,9 @@ def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> l
     through = _cables_in_load(scenario, loads, position, ends).astype(float)
     return [
         _extreme(TURN, turn, times, max, -inf, limit, "°"),
-        _of_cable("share of a cable in its load", through, times, max, -inf, 0.0, ""),
+        _of_cable("share of a cable in its load", through, times, max, -inf, 0.0, "")._replace(
+            name="share of a cable in its load"
+        ),
         _extreme("moment that no tension balances", missing, times, max, -inf, 0.0, "N m"),
         _extreme("stiffness of the equilibrium", loads.stiffness, times, min, 0.0, inf, "N/m"),
     ]

@@ -99,7 +99,7 @@ def test_what_is_in_the_way_of_an_arm_is_noticed(scenarios):
         points = (Vec3(*(np.atleast_1d(np.asarray(x, float)) for x in p)) for p in (a, b, c, d))
         return float(segment_distance(*points)[0])
 
-    least = np.inf
+    least, own = np.inf, np.inf
     for row in range(5):
         hook = np.array([float(c[row]) for c in position]) + np.array([0, 0, 0.15])
         for part in range(3):
