@@ -1,6 +1,7 @@
 """Settings under which every test runs: float64, two CPU devices, no silent promotion."""
 
 import os
+import signal
 import sys
 import tempfile
 
@@ -47,3 +48,10 @@ def run(monkeypatch, capsys):
         return ended.value.code or 0, said.out, said.err
 
     return run
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _interrupts_arrive():
+    """Also where the tests run as a background job, which is started with interrupts ignored."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
