@@ -294,9 +294,8 @@ def _alternating(
     held = static_tensions(scenario, task)
     best: Plan | None = None
     if attempt.fresh_ends or not ((held >= low) & (held <= high)).all():
-        position = np.linspace(
-            task[0], task[1], settings.samples
-        )  # ends for the straight line come first
+        # Ends for the straight line come first.
+        position = np.linspace(task[0], task[1], settings.samples)
     else:
         best = _first_good(_given(scenario, settings, attempt.waypoints, first))
         yield best

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
 from jaxsusp.mechanics import arm
-from jaxsusp.verify.limits import TURN, Check
+from jaxsusp.verify.limits import TURN, Check, _cables_in_load
 
 
 @pytest.fixture(scope="module")
@@ -161,6 +161,17 @@ def test_a_cable_through_its_own_load_is_refused():
     assert any(reason.startswith("share of a cable in its load") for reason in bad.reasons)
     good = js.plan_through(js.load_scenario("rim"), ON_THE_RIM)
     assert limit(good, "share of a cable in its load").value == 0
+
+
+def test_the_share_of_a_cable_in_its_load_is_exact():
+    """Straight up from the bottom and aslant from the middle of the side, through a level load."""
+    payload = js.load_scenario("rim").payload.model_copy(
+        update={"attachments": ((0.05, 0.0, -0.15), (0.1, 0.0, 0.0), (0.1, 0.0, 0.15))}
+    )
+    scenario = js.load_scenario("rim").model_copy(update={"payload": payload})
+    ends = np.array([[[0.05, 0.0, 1.85], [-1.9, 0.0, 0.5], [2.0, 0.0, 4.0]]])
+    found = _cables_in_load(scenario, np.eye(3)[None], np.zeros((1, 3)), ends)
+    np.testing.assert_allclose(found, [[0.298 / 2, 0.198 / 2, 0.0]], atol=1e-9)
 
 
 def test_ends_that_move_while_the_load_pauses_are_refused():

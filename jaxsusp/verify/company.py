@@ -92,8 +92,8 @@ class Company:
         shape = warning_shape(scenario)
         center = self._point(along=1.0)
         load = self._body("load", center, center, shape.radius, shape.half_height)
-        upper = [self._upper(k) for k in cables]
-        lower = [self._point(1.0, at=at) for at in attachments_of(scenario)]
+        upper = [self._on_cable(k, 1.0) for k in cables]
+        lower = [self._on_cable(k, 0.0) for k in cables]
         lines = [
             self._body(f"cable {k + 1}", lower[k], upper[k], shape.cable_radius) for k in cables
         ]
@@ -102,11 +102,15 @@ class Company:
         apart = lines
         if scenario.payload.attachments == "hook":
             apart = [
-                self._body(f"cable {k + 1}", self._above_hook(k), upper[k], shape.cable_radius)
+                self._body(
+                    f"cable {k + 1}", self._on_cable(k, NEAR_HOOK), upper[k], shape.cable_radius
+                )
                 for k in cables
             ]
         held = [
-            self._body(f"cable {k + 1}", lower[k], self._below_end(k), shape.cable_radius)
+            self._body(
+                f"cable {k + 1}", lower[k], self._on_cable(k, 1 - NEAR_END), shape.cable_radius
+            )
             for k in cables
         ]
         gap, separation = scenario.limits.clearance, scenario.limits.separation
@@ -174,23 +178,13 @@ class Company:
         self.bodies.append(Body(*content, **more))
         return len(self.bodies) - 1
 
-    def _upper(self, k: int) -> int:
+    def _on_cable(self, k: int, share: float) -> int:
+        """A point of cable k, at a share of its way from attachment to end."""
         rig = self.rigging
-        return self._point(share=1.0, track=k) if rig.moves else self._point(at=rig.end_path[0, k])
-
-    def _above_hook(self, k: int) -> int:
-        """Where the part of a cable begins that is checked against other cables."""
-        hook = (1 - NEAR_HOOK) * attachments_of(self.rigging.scenario)[k]
-        if self.rigging.moves:
-            return self._point(1 - NEAR_HOOK, NEAR_HOOK, k, hook)
-        return self._point(1 - NEAR_HOOK, at=hook + NEAR_HOOK * self.rigging.end_path[0, k])
-
-    def _below_end(self, k: int) -> int:
-        """Where the part of a cable ends that is checked against its own lower link."""
-        lower = (NEAR_END, attachments_of(self.rigging.scenario)[k] * NEAR_END)
-        if self.rigging.moves:
-            return self._point(lower[0], 1 - NEAR_END, k, lower[1])
-        return self._point(lower[0], at=lower[1] + (1 - NEAR_END) * self.rigging.end_path[0, k])
+        lower = (1 - share) * attachments_of(rig.scenario)[k]
+        if rig.moves:
+            return self._point(1 - share, share, k, lower)
+        return self._point(1 - share, at=lower + share * rig.end_path[0, k])
 
     def _arm(self, k: int, end: int) -> list[int]:
         """Column, upper and lower link of one robot."""

@@ -117,7 +117,7 @@ def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> l
         return [_extreme("tilt of the load", tilt, times, max, -inf, limit, "°")]
     turn = np.where(loads.balanced, np.rad2deg(loads.turn), np.nan)
     missing = np.where(loads.balanced, 0.0, loads.missing)
-    through = _cables_in_load(scenario, loads, position, ends).astype(float)
+    through = _cables_in_load(scenario, loads.posture, position, ends).astype(float)
     return [
         _extreme(TURN, turn, times, max, -inf, limit, "°"),
         _of_cable("share of a cable in its load", through, times, max, -inf, 0.0, "")._replace(
@@ -128,7 +128,7 @@ def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> l
     ]
 
 
-def _cables_in_load(scenario: Scenario, loads: Loads, position, ends) -> np.ndarray:
+def _cables_in_load(scenario: Scenario, posture, position, ends) -> np.ndarray:
     """Share of every cable that is inside the load it carries, at every instant (times, K).
 
     Seen in the load's own frame, where it is an upright cylinder; a millimetre does not count.
@@ -136,15 +136,18 @@ def _cables_in_load(scenario: Scenario, loads: Loads, position, ends) -> np.ndar
     payload, skin = scenario.payload, 1e-3
     radius, half = max(payload.radius - skin, 0.0), max(payload.height / 2 - skin, 0.0)
     start = np.broadcast_to(attachments_of(scenario), ends.shape)
-    way = np.einsum("tji,tkj->tki", loads.posture, ends - position[:, None]) - start
+    way = np.einsum("tji,tkj->tki", posture, ends - position[:, None]) - start
     with np.errstate(divide="ignore", invalid="ignore"):
         caps = (np.array([-half, half]) - start[..., 2:]) / way[..., 2:]
         a = (way[..., :2] ** 2).sum(axis=-1)
         b = (way[..., :2] * start[..., :2]).sum(axis=-1)
         c = (start[..., :2] ** 2).sum(axis=-1) - radius**2
         root = np.sqrt(b**2 - a * c)  # NaN: beside the cylinder
-        low = np.maximum.reduce([caps.min(axis=-1), (-b - root) / a, np.zeros_like(a)])
-        high = np.minimum.reduce([caps.max(axis=-1), (-b + root) / a, np.ones_like(a)])
+        inside = np.where(c < 0, np.inf, np.nan)  # of a cable that runs along the axis
+        enter = np.where(a > 0, (-b - root) / a, -inside)
+        leave = np.where(a > 0, (-b + root) / a, inside)
+        low = np.maximum.reduce([caps.min(axis=-1), enter, np.zeros_like(a)])
+        high = np.minimum.reduce([caps.max(axis=-1), leave, np.ones_like(a)])
     return np.nan_to_num(np.maximum(high - low, 0.0))
 
 
