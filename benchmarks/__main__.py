@@ -16,13 +16,14 @@ from rich.table import Table
 from benchmarks.planning import planning_rows
 from benchmarks.steps import evaluations_only
 from benchmarks.timing import least_seconds, run_process
-from jaxsusp.batch import run_batch
-from jaxsusp.launch import configure, cores
+from jaxsusp.comparison.unit import Group, stack_scenarios
+from jaxsusp.optim.batch import run_batch
+from jaxsusp.optim.devices import configure, cores
 from jaxsusp.optim.loop import count_evaluations
 from jaxsusp.optim.registry import PUBLISHED, algorithm
-from jaxsusp.problem import Problem
-from jaxsusp.scenario import load_scenario, scenarios
-from jaxsusp.workunit import Group, stack_scenarios
+from jaxsusp.problem.problem import Problem
+from jaxsusp.scenario.builtin import scenarios
+from jaxsusp.scenario.scenario import load_scenario
 
 RUNS, ITERATIONS, POPULATION = 20, 500, 30
 

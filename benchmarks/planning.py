@@ -6,7 +6,8 @@ from collections.abc import Callable
 from rich.console import Console
 
 import jaxsusp as js
-from jaxsusp.plans import Plan, plan_through
+from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.through import plan_through
 from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.simulation import simulate
 
@@ -35,7 +36,7 @@ def planning_rows(console: Console) -> dict[str, float]:
          lambda _: plan_through(scenario, plan.waypoints)),
         ("certificate_s", "the certificate alone", None,
          lambda _: certify(plan.rigging)),
-        ("simulation_s", "simulation of 40 s", 2.0, lambda _: simulate(plan)),
+        ("simulation_s", "simulation of 40 s", 2.0, lambda _: simulate(plan.rigging)),
     )  # fmt: skip
     found = {}
     console.print("", "planning scenario 1, warm:")
@@ -48,7 +49,7 @@ def planning_rows(console: Console) -> dict[str, float]:
 
 def main() -> None:
     """Only these: `python -m benchmarks.planning`."""
-    from jaxsusp.launch import configure
+    from jaxsusp.optim.devices import configure
 
     configure()
     planning_rows(Console())

@@ -16,8 +16,9 @@ from benchmarks.drake import compare
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.ellipsoid import largest_ellipsoid
 from jaxsusp.freespace.polyhedra import HalfSpaces
-from jaxsusp.launch import cores
-from jaxsusp.scenario import load_scenario, scenarios
+from jaxsusp.optim.devices import cores
+from jaxsusp.scenario.builtin import scenarios
+from jaxsusp.scenario.scenario import load_scenario
 
 REGIONS = 20
 CUBE = HalfSpaces.box(np.zeros(3), np.ones(3))

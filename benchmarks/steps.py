@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jaxsusp._types import Array
 from jaxsusp.optim.base import Best, NoInfo, Optimizer, best_of, better
 from jaxsusp.optim.loop import evaluation_sizes
-from jaxsusp.problem import Problem
+from jaxsusp.problem.problem import Problem
 
 
 class Candidates(NamedTuple):

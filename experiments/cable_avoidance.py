@@ -8,8 +8,8 @@ import numpy as np
 from rich.console import Console
 
 import jaxsusp as js
-from jaxsusp.launch import configure
-from jaxsusp.report.planfolder import write_plan
+from jaxsusp.optim.devices import configure
+from jaxsusp.report.plan.folder import write_plan
 
 SCENARIO = "hybrid"
 FANS = ((9, 10.0), (25, 18.0), (25, 30.0))  # candidates per cable, degrees to every side

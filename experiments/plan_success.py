@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 import jaxsusp as js
-from jaxsusp.launch import configure
-from jaxsusp.planning import plan
+from jaxsusp.optim.devices import configure
+from jaxsusp.planning.planner import plan
 from jaxsusp.verify.simulation import simulate
 
 SEEDS = range(20)
@@ -25,7 +25,7 @@ def measure(name: str, seed: int) -> dict:
     clock = time.perf_counter()
     found = plan(name, ALGORITHM, ENDS, seed=seed)
     seconds = time.perf_counter() - clock
-    seen = simulate(found)
+    seen = simulate(found.rigging)
     return {
         "scenario": name,
         "seed": seed,
@@ -37,7 +37,7 @@ def measure(name: str, seed: int) -> dict:
         "tracking_error_m": seen.tracking_error,
         "tension_error": seen.tension_error,
         "swing_deg": seen.swing,
-        "simulation_problems": "; ".join(seen.problems(found)),
+        "simulation_problems": "; ".join(seen.problems(found.scenario.limits)),
         "seconds": seconds,
         "reasons": "; ".join(found.reasons),
     }

@@ -7,8 +7,8 @@ scene; the distances are not those of the certificate, which come from MuJoCo an
 import numpy as np
 
 import jaxsusp as js
-from jaxsusp.launch import configure
-from jaxsusp.plans import Plan
+from jaxsusp.optim.devices import configure
+from jaxsusp.planning.plan import Plan
 from jaxsusp.verify.simulation import simulate
 
 SEEDS = range(10)
@@ -69,9 +69,10 @@ def main() -> None:
         returned += plan.feasible
         clear += plan.feasible and truly
         told = "feasible" if plan.feasible else f"refused ({'; '.join(plan.reasons)})"
+        problems = simulate(plan.rigging).problems(plan.scenario.limits)
         print(
             f"{scenario.name}: {told}; load {load:.4f} m, cables {cables:.4f} m from obstacles, "
-            f"certificate {plan.clearance:.4f} m; simulation: {simulate(plan).problems(plan)}",
+            f"certificate {plan.clearance:.4f} m; simulation: {problems}",
             flush=True,
         )
     print(f"{returned} of {len(SEEDS)} scenes planned, {clear} of these truly clear")

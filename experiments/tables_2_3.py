@@ -14,7 +14,7 @@ from rich.console import Console
 
 import jaxsusp as js
 from jaxsusp.coordination.ends import Placement, encode, end_problem, evaluate_ends
-from jaxsusp.launch import configure
+from jaxsusp.optim.devices import configure
 from jaxsusp.optim.registry import PUBLISHED
 from jaxsusp.report.render import Column, to_rich
 

@@ -11,6 +11,17 @@ class InputError(ValueError):
     """
 
 
+class ScenarioError(InputError):
+    """A scenario that cannot be used, with one line per problem in `problems`."""
+
+    def __init__(self, *problems: str):
+        super().__init__(*problems)
+        self.problems = problems
+
+    def __str__(self) -> str:
+        return "\n".join(self.problems)
+
+
 def require(condition: bool, message: str) -> None:
     """Raise an `InputError` unless the condition holds."""
     if not condition:
@@ -23,6 +34,12 @@ def require_count(name: str, value: int, least: int = 1, most: int | None = None
     allowed = f"of at least {least}" if most is None else f"from {least} to {most}"
     fits = whole and least <= value and (most is None or value <= most)
     require(fits, f"{name} = {value!r}: give a whole number {allowed}")
+
+
+def require_counts(**counts: int) -> None:
+    """Refuse counts, given by their names, that are no whole numbers of at least 1."""
+    for name, value in counts.items():
+        require_count(name, value)
 
 
 def require_seed(seed: int) -> None:

@@ -3,8 +3,12 @@
 XLA's CPU code for arrays of shape (..., 3) is several times slower than the same arithmetic on
 separate x, y and z arrays, and the formulas read better without index juggling. All operations
 are elementwise, so x, y and z may have any mutually broadcastable shapes.
+
+Several vectors, such as the ends of K cables, are *packed* along the first axis (K, …), where the
+last axes are free for samples and candidates. People and files have them as *rows* (…, K, 3).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
@@ -79,3 +83,24 @@ def safe_sqrt(square: Array) -> Array:
 def norm(a: Vec3) -> Array:
     """Euclidean length; its gradient at the zero vector is zero, not NaN."""
     return safe_sqrt(dot(a, a))
+
+
+def component(packed: Vec3, k: int) -> Vec3:
+    """The k-th of several packed vectors."""
+    return packed.each(lambda c: c[k])
+
+
+def pack(vectors: Sequence[Vec3]) -> Vec3:
+    """Several vectors of one shape, packed."""
+    x, y, z = (jnp.stack(columns) for columns in zip(*vectors, strict=True))
+    return Vec3(x, y, z)
+
+
+def pack_rows(rows: Float[Array, "*batch count xyz"]) -> Vec3:
+    """Vectors given as rows, packed: components (count, *batch)."""
+    return Vec3.from_array(jnp.moveaxis(rows, -2, 0))
+
+
+def rows_of(packed: Vec3) -> Float[Array, "*batch count xyz"]:
+    """Packed vectors as rows."""
+    return jnp.moveaxis(packed.to_array(), 0, -2)

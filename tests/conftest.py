@@ -9,7 +9,8 @@ import jax
 import pytest
 
 import jaxsusp as js
-from jaxsusp import cli, launch
+from jaxsusp import cli
+from jaxsusp.optim import devices
 
 jax.config.update("jax_num_cpu_devices", 2)
 jax.config.update("jax_enable_x64", True)
@@ -38,7 +39,7 @@ def problems(scenarios) -> list[js.Problem]:
 @pytest.fixture
 def run(monkeypatch, capsys):
     """Run a command of the command line in this process: (status, stdout, stderr)."""
-    monkeypatch.setattr(launch, "configure", lambda **_: None)  # JAX has started already
+    monkeypatch.setattr(devices, "configure", lambda **_: None)  # JAX has started already
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])

@@ -1,20 +1,25 @@
-"""What all commands share: the application, options that mean the same everywhere, endings."""
+"""The application and what all commands share: what is said, and how they end.
 
+Commands import what they need when they run: help and mistakes are answered at once.
+"""
+
+import functools
 import json
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
-from rich.console import Console
-from rich.table import Table
+
+from jaxsusp import __version__
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 app = typer.Typer(
     name="jaxsusp",
-    help="Obstacle-avoidance planning for multi-robot suspension systems.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -22,26 +27,39 @@ app = typer.Typer(
 )
 
 
-def _whole(text: str | int) -> int:  # defaults come as numbers
-    try:
-        return int(text)
-    except ValueError:
-        raise typer.BadParameter(f"{text!r}; give a whole number.") from None
+def _print_version(asked: bool | None) -> None:
+    if asked:
+        print(f"jaxsusp {__version__}")
+        raise typer.Exit
 
 
-def count(meaning: str):
-    """An option that takes a whole number."""
-    return typer.Option(help=meaning, parser=_whole, metavar="<int>")
+@app.callback()
+def jaxsusp(
+    version: Annotated[
+        bool | None,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+        ),
+    ] = None,
+) -> None:
+    """Obstacle-avoidance planning for multi-robot suspension systems."""
 
 
-Output = Annotated[Path, typer.Option(help="Folder for what is written.")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
-Named = Annotated[str, typer.Argument(metavar="SCENARIO", help="A built-in name or a TOML file.")]
+def command(epilog: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Make a function a command of its name, which Ctrl-C ends with one line and status 130."""
 
+    def register(function: Callable[..., None]) -> Callable[..., None]:
+        @app.command(epilog=epilog)
+        @functools.wraps(function)
+        def run(*arguments: Any, **options: Any) -> None:
+            try:
+                function(*arguments, **options)
+            except KeyboardInterrupt:
+                interrupted(f"{function.__name__} was not finished.")
 
-def names(listed: str) -> list[str]:
-    """Names separated by commas."""
-    return [name.strip() for name in listed.split(",") if name.strip()]
+        return run
+
+    return register
 
 
 def note(message: str) -> None:
@@ -88,14 +106,19 @@ def interrupts() -> Iterator[Callable[[], None]]:
         signal.signal(signal.SIGINT, before)
 
 
-def wide_console() -> Console:
+def wide_console() -> "Console":
     """Stdout for tables of seven columns: into a pipe they are not cut at 80 characters."""
+    from rich.console import Console
+
     stdout = Console()
     return stdout if stdout.is_terminal else Console(width=max(stdout.width, 132))
 
 
 def print_rows(rows: list[dict], as_json: bool) -> None:
     """A plain listing, for people or for machines."""
+    from rich.console import Console
+    from rich.table import Table
+
     if as_json:
         print(json.dumps(rows, indent=2))
         return

@@ -2,42 +2,53 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
-from rich.console import Console
 
-from jaxsusp.cli.application import Json, Named, Output, app, count, interrupted, interrupts, note
-from jaxsusp.freespace.build import Growth, free_space
-from jaxsusp.freespace.ellipsoid import SOLVER
-from jaxsusp.freespace.space import FreeSpace
-from jaxsusp.scenario import Scenario, load_scenario
+from jaxsusp.cli.application import command, interrupted, interrupts, note
+from jaxsusp.cli.options import RESULTS, Json, Named, Output, Seed, count, require_choices
+
+if TYPE_CHECKING:
+    from jaxsusp.freespace.build import Growth
+    from jaxsusp.freespace.space import FreeSpace
+    from jaxsusp.scenario.scenario import Scenario
 
 
-@app.command(epilog="Example: jaxsusp freespace scenario-6 --output space")
+@command(epilog="Example: jaxsusp freespace scenario-6 --output space")
 def freespace(
     scenario: Named,
     coverage: Annotated[
         float, typer.Option(help="Share of the free space that the regions are to cover.")
     ] = 0.95,
     limit: Annotated[int, count("Greatest number of regions.")] = 200,
-    seed: Annotated[int, count("Of the samples of the free space.")] = 0,
+    seed: Seed = 0,
     solver: Annotated[
-        str, typer.Option(help="Solver of the cone programs, where installed: MOSEK, GUROBI, …")
-    ] = SOLVER,
-    output: Output = Path("results"),
+        str | None,
+        typer.Option(
+            help="Solver of the cone programs, where installed: MOSEK, GUROBI, …; default CLARABEL."
+        ),
+    ] = None,
+    output: Output = RESULTS,
     as_json: Json = False,
 ) -> None:
     """Compute the free space of the whole system; write free-space.nc, a table and figures.
 
     Exit status 1 when no collision-free route leads from start to goal.
     """
+    require_choices([scenario])
+
+    from rich.console import Console
+
+    from jaxsusp.freespace.build import free_space
+    from jaxsusp.freespace.ellipsoid import SOLVER
+    from jaxsusp.scenario.scenario import load_scenario
+
     task = load_scenario(scenario)
     console = Console(stderr=True)
     with console.status("Growing regions …") as status, interrupts() as raise_if_missed:
 
-        def told(growth: Growth) -> None:
+        def told(growth: "Growth") -> None:
             raise_if_missed()
             way = "connected" if growth.connected else "not connected yet"
             status.update(
@@ -45,7 +56,7 @@ def freespace(
             )
 
         try:
-            space = free_space(task, coverage, limit, seed, solver, progress=told)
+            space = free_space(task, coverage, limit, seed, solver or SOLVER, progress=told)
         except KeyboardInterrupt:
             interrupted("nothing was written.")
     files = _write(task, space, output)
@@ -55,9 +66,9 @@ def freespace(
         raise typer.Exit(1)
 
 
-def _write(scenario: Scenario, space: FreeSpace, output: Path) -> list[Path]:
+def _write(scenario: "Scenario", space: "FreeSpace", output: Path) -> list[Path]:
     from jaxsusp.report import freespace as report
-    from jaxsusp.report.look import save
+    from jaxsusp.report.drawing.look import save
     from jaxsusp.report.render import to_csv
 
     output.mkdir(parents=True, exist_ok=True)
@@ -69,7 +80,10 @@ def _write(scenario: Scenario, space: FreeSpace, output: Path) -> list[Path]:
     return files
 
 
-def _tell(space: FreeSpace, files: list[Path], as_json: bool) -> None:
+def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
+    import numpy as np
+    from rich.console import Console
+
     from jaxsusp.report.freespace import region_table
     from jaxsusp.report.render import to_rich
 

@@ -4,13 +4,13 @@ from typing import Annotated
 
 import typer
 
-from jaxsusp.cli.application import Json, app, print_rows
-from jaxsusp.optim.registry import ALGORITHMS, describe
-from jaxsusp.scenario import examples, load_scenario
-from jaxsusp.scenario import scenarios as built_in
+from jaxsusp.cli.application import command, print_rows
+from jaxsusp.cli.options import Json
+from jaxsusp.scenario.builtin import examples
+from jaxsusp.scenario.builtin import scenarios as built_in
 
 
-@app.command(epilog="Example: jaxsusp scenarios --json")
+@command(epilog="Example: jaxsusp scenarios --json")
 def scenarios(
     others: Annotated[
         bool, typer.Option("--examples", help="The other built-in scenarios instead.")
@@ -18,6 +18,8 @@ def scenarios(
     as_json: Json = False,
 ) -> None:
     """List the benchmark scenarios, or the examples of other robots, drives and attachments."""
+    from jaxsusp.scenario.scenario import load_scenario
+
     found = [load_scenario(name) for name in (examples() if others else built_in())]
     rows = [
         {
@@ -34,7 +36,9 @@ def scenarios(
     print_rows(rows, as_json)
 
 
-@app.command(epilog="Example: jaxsusp algorithms")
+@command(epilog="Example: jaxsusp algorithms")
 def algorithms(as_json: Json = False) -> None:
     """List the algorithms that --algorithms takes."""
+    from jaxsusp.optim.registry import ALGORITHMS, describe
+
     print_rows([{"algorithm": name, "what": describe(name)} for name in ALGORITHMS], as_json)

@@ -3,30 +3,37 @@
 import json
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 
-from jaxsusp import launch
-from jaxsusp.cli.application import (
+from jaxsusp.cli.application import command, interrupted, interrupts, note, wide_console
+from jaxsusp.cli.options import (
+    RESULTS,
+    SEARCH,
+    Cache,
+    Iterations,
     Json,
     Named,
     Output,
-    app,
+    Population,
+    Runs,
+    Samples,
+    Search,
+    Seed,
+    Waypoints,
     count,
-    interrupted,
-    interrupts,
-    note,
-    wide_console,
+    require_choices,
 )
-from jaxsusp.planning import SEARCH, Event
-from jaxsusp.planning import plan as make_plan
-from jaxsusp.plans import Plan
-from jaxsusp.scenario import load_scenario
+from jaxsusp.errors import require_known
+from jaxsusp.planning.choices import COORDINATIONS, ENDS
+
+if TYPE_CHECKING:
+    from jaxsusp.planning.plan import Plan
+    from jaxsusp.planning.planner import Event
 
 
-@app.command(
+@command(
     epilog="Examples: jaxsusp plan scenario-1 --ends placed --output plans · "
     "jaxsusp plan hybrid --ends placed",
 )
@@ -42,45 +49,52 @@ def plan(
             'drive mode; "placed" optimises where they stay, or chooses their way by least '
             "variance where they move."
         ),
-    ] = "given",
+    ] = ENDS[0],
     coordination: Annotated[
         str,
         typer.Option(help='How ends that stay are placed with the load: "alternation" or "joint".'),
-    ] = "alternation",
-    runs: Annotated[int, count("Independent runs per batch.")] = 4,
-    iterations: Annotated[int, count("Iterations per run.")] = 300,
-    population: Annotated[int, count("Candidates per iteration.")] = 30,
+    ] = COORDINATIONS[0],
+    runs: Runs = 4,
+    iterations: Iterations = 300,
+    population: Population = 30,
     retries: Annotated[int, count("Further attempts where one gives no feasible plan.")] = 3,
-    seed: Annotated[int, count("Root of all randomness.")] = 0,
-    search: Annotated[str, typer.Option(help="Rule that keeps waypoints inside.")] = SEARCH,
-    waypoints: Annotated[int, count("Free waypoints between start and goal.")] = 5,
-    samples: Annotated[int, count("Samples of the trajectory and of the plan.")] = 40,
-    output: Output = Path("results"),
-    cache: Annotated[
-        Path | None, typer.Option(help="Folder that keeps compiled programs for the next time.")
-    ] = None,
+    seed: Seed = 0,
+    search: Search = SEARCH,
+    waypoints: Waypoints = 5,
+    samples: Samples = 40,
+    output: Output = RESULTS,
+    cache: Cache = None,
     as_json: Json = False,
 ) -> None:
     """Plan a task: trajectory, cables, arms, all limits, certified clear; exit 1 if infeasible."""
-    launch.configure(cache=cache)
+    require_choices([scenario], [algorithm], search)
+    require_known("ends", ends, ENDS)
+    require_known("coordination", coordination, COORDINATIONS)
+
+    from rich.console import Console
+
+    from jaxsusp.optim import devices
+    from jaxsusp.planning import planner
+    from jaxsusp.report.plan.folder import write_plan
+    from jaxsusp.scenario.scenario import load_scenario
+
+    devices.configure(cache=cache)
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
     with status as shown, interrupts() as raise_if_missed:
 
-        def told(event: Event) -> None:
+        def told(event: "Event") -> None:
             raise_if_missed()
             text = f"{event.phase}, attempt {event.attempt + 1} of at most {event.attempts}"
             if shown is not None:
                 shown.update(f"{text} …")
 
         try:
-            found = make_plan(
+            found = planner.plan(
                 load_scenario(scenario), algorithm, ends, runs, iterations, retries, seed,
                 population=population, waypoints=waypoints, samples=samples, search=search,
                 coordination=coordination, progress=told,
             )  # fmt: skip
-            from jaxsusp.report.planfolder import write_plan
-
             files = write_plan(found, output)
         except KeyboardInterrupt:
             interrupted("no plan was finished; nothing was written.")
@@ -92,28 +106,28 @@ def plan(
     raise typer.Exit(0 if found.feasible else 1)
 
 
-def as_record(plan: Plan, files: list[Path]) -> dict[str, Any]:
+def as_record(plan: "Plan", files: list[Path]) -> dict[str, Any]:
     """A plan's outcome as plain values for machines."""
-    from jaxsusp.planfile import _plain
+    from jaxsusp.planning.document import plain
 
     return {
         "scenario": plan.scenario.name,
         "feasible": plan.feasible,
         "certified": plan.certificate.proved,
         "reasons": list(plan.reasons),
-        "clearance_m": _plain(plan.clearance),
+        "clearance_m": plain(plan.clearance),
         "ends_m": plan.ends.tolist(),
         "report": [
-            {**_plain(each._asdict()), "margin": _plain(each.margin), "ok": each.ok}
+            {**plain(each._asdict()), "margin": plain(each.margin), "ok": each.ok}
             for each in plan.report
         ],
-        "settings": _plain(dict(plan.settings)),
+        "settings": plain(dict(plan.settings)),
         "files": [str(file) for file in files],
     }
 
 
-def _show(plan: Plan) -> None:
-    from jaxsusp.report.planreport import ends_table, limits_table, verdict
+def _show(plan: "Plan") -> None:
+    from jaxsusp.report.plan.tables import ends_table, limits_table, verdict
     from jaxsusp.report.render import to_rich
 
     stdout = wide_console()

@@ -2,17 +2,18 @@
 
 import json
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jaxsusp import launch
-from jaxsusp.cli.application import Json, app, note, wide_console
-from jaxsusp.planfile import load_plan
-from jaxsusp.verification import Verification, verify_plan
+from jaxsusp.cli.application import command, note, wide_console
+from jaxsusp.cli.options import Json
+
+if TYPE_CHECKING:
+    from jaxsusp.planning.verification import Verification
 
 
-@app.command(
+@command(
     epilog="Example: jaxsusp verify results/scenario-1.plan.json --video plan.mp4",
 )
 def verify(
@@ -29,17 +30,21 @@ def verify(
     as_json: Json = False,
 ) -> None:
     """Check a plan anew: limits, continuous-time certificate, simulation; exit 1 if refused."""
-    launch.configure()
+    from jaxsusp.optim import devices
+    from jaxsusp.planning.loading import load_plan
+    from jaxsusp.planning.verification import verify_plan
+
+    devices.configure()
     given = load_plan(plan)
     files = []
     if model is not None:
         from jaxsusp.verify.simulation import export_model
 
-        export_model(given, model)
+        export_model(given.rigging, model)
         files.append(model)
     simulation = True
     if images is not None or video is not None:
-        from jaxsusp.verify.pictures import NoRendererError, render
+        from jaxsusp.report.plan.film import NoRendererError, render
 
         try:
             simulation, rendered = render(given, images, video)
@@ -57,7 +62,7 @@ def verify(
     raise typer.Exit(0 if found.ok else 1)
 
 
-def _record(found: Verification, name: str, files: list[Path]) -> dict:
+def _record(found: "Verification", name: str, files: list[Path]) -> dict:
     from jaxsusp.cli.plan import as_record
 
     record = {**as_record(found.plan, files), "feasible": found.ok, "reasons": list(found.reasons)}
@@ -73,8 +78,8 @@ def _record(found: Verification, name: str, files: list[Path]) -> dict:
     return {"scenario": name, **record}
 
 
-def _show(found: Verification, name: str) -> None:
-    from jaxsusp.report.planreport import limits_table, simulation_table, verdict
+def _show(found: "Verification", name: str) -> None:
+    from jaxsusp.report.plan.tables import limits_table, simulation_table, verdict
     from jaxsusp.report.render import to_rich
 
     stdout = wide_console()

@@ -1,34 +1,37 @@
 """`jaxsusp workspace`: the load positions that a suspension can hold."""
 
 import json
-from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-from jaxsusp import launch
-from jaxsusp.cli.application import Json, Named, Output, app, interrupted, note
-from jaxsusp.scenario import load_scenario
-from jaxsusp.workspace import workspace as map_workspace
+from jaxsusp.cli.application import command, interrupted, note
+from jaxsusp.cli.options import RESULTS, Json, Named, Output, require_choices
 
 
-@app.command(epilog="Example: jaxsusp workspace four-robots --spacing 0.2 --output space")
+@command(epilog="Example: jaxsusp workspace four-robots --spacing 0.2 --output space")
 def workspace(
     scenario: Named,
     spacing: Annotated[
         float | None,
         typer.Option(help="Of the grid, in m; default 0.1, with separate attachments 0.25."),
     ] = None,
-    output: Output = Path("results"),
+    output: Output = RESULTS,
     as_json: Json = False,
 ) -> None:
     """Map where the tensions are admissible and the cables clear; write workspace.png and .csv."""
-    from jaxsusp.report.look import save
+    require_choices([scenario])
+
+    from rich.console import Console
+
+    from jaxsusp.optim import devices
+    from jaxsusp.report.drawing.look import save
     from jaxsusp.report.render import to_csv, to_rich
     from jaxsusp.report.workspace import slices, volume_table
+    from jaxsusp.scenario.scenario import load_scenario
+    from jaxsusp.suspension.workspace import workspace as map_workspace
 
-    launch.configure()
+    devices.configure()
     task = load_scenario(scenario)
     console = Console(stderr=True)
     try:

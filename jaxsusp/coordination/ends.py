@@ -15,27 +15,22 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float
-from jaxsusp.batch import run_batch
-from jaxsusp.constraints import count_turned, count_violations
-from jaxsusp.errors import InputError, require_count, require_seed
-from jaxsusp.fitness import (
-    fitness_terms,
-    tension_length_rate,
-    tensions_at,
-    trajectory,
-    turn_at,
-)
-from jaxsusp.geometry.arms import ARM_MARGIN, choose_postures, separation_slack
+from jaxsusp.errors import InputError, require_counts, require_seed
 from jaxsusp.geometry.collisions import count_collisions
-from jaxsusp.hanging import require_rule
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
-from jaxsusp.problem import Problem, stack_problems
-from jaxsusp.scenario import Scenario
+from jaxsusp.problem.constraints import count_turned, count_violations
+from jaxsusp.problem.fitness import fitness_terms, tension_length_rate, trajectory
+from jaxsusp.problem.problem import Problem, stack_problems
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scope import require_rule
+from jaxsusp.scenario.world import Robots, World, build_world, cast_world, rounded_counts
+from jaxsusp.suspension.arms import ARM_MARGIN, choose_postures, separation_slack
+from jaxsusp.suspension.level import tensions_at, turn_at
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import Robots, World, build_world, cast_world, rounded_counts
 
 HEIGHTS = (4.2, 8.8)
 """m; heights in which ends are placed (spec §1), as far as every robot reaches."""
@@ -218,8 +213,7 @@ def place_ends(
         InputError: bad settings, a drive mode that moves the ends, or robots that share no height.
     """
     require_placeable(scenario)
-    for name, value in (("runs", runs), ("iterations", iterations), ("population", population)):
-        require_count(name, value)
+    require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)
     optimizer = algorithm_of(algorithm)
     problem = end_problem(scenario, position)

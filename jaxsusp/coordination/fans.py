@@ -12,13 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Bool, Float
-from jaxsusp.constraints import in_reach
 from jaxsusp.errors import InputError
+from jaxsusp.geometry.cables import attachment
 from jaxsusp.geometry.contacts import segments_clear
-from jaxsusp.mechanics.cables import attachment
 from jaxsusp.mechanics.statics import force_tensions, weight
-from jaxsusp.vec3 import Vec3, norm
-from jaxsusp.world import World
+from jaxsusp.scenario.world import World
+from jaxsusp.suspension.reach import in_reach
+from jaxsusp.vec3 import Vec3, norm, pack
 
 MOST = 20_000
 """Joint candidates per step that memory and patience bear."""
@@ -107,8 +107,7 @@ def fan_ends(
         heading, elevation = turns[k, ..., 0], turns[k, ..., 1]
         turned = rotated(cable.each(lambda c: c[:, None]), heading, elevation)
         rows.append(turned + lower.each(lambda c: c[:, None]))
-    x, y, z = (jnp.stack(columns) for columns in zip(*rows, strict=True))
-    return Vec3(x, y, z)
+    return pack(rows)
 
 
 def joint_candidates(

@@ -17,10 +17,10 @@ from jaxsusp.coordination.fans import combinations, offsets
 from jaxsusp.coordination.passes import Attempt, Found, Outlook, Task, move, stay
 from jaxsusp.coordination.smoothing import WIDTHS, running_means
 from jaxsusp.errors import InputError, require, require_count
-from jaxsusp.hanging import require_rule
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.scenario import Scenario
-from jaxsusp.world import build_world, cast_world
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scope import require_rule
+from jaxsusp.scenario.world import build_world, cast_world
 
 SLACKS = (0.0, 0.02, 0.05, 0.1, 0.2)
 """m by which the cables of candidates keep further off obstacles, tried in turn: a sequence whose

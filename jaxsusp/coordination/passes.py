@@ -24,10 +24,10 @@ from jaxsusp.coordination.sequence import (
     total_cost,
 )
 from jaxsusp.coordination.smoothing import WIDTHS, smoothed
-from jaxsusp.fitness import ends_at
 from jaxsusp.geometry.collisions import count_between
+from jaxsusp.scenario.world import World
+from jaxsusp.suspension.level import ends_at
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World
 
 
 class Task(NamedTuple):

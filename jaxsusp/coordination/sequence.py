@@ -16,7 +16,7 @@ import jax.numpy as jnp
 
 from jaxsusp._types import Array, Bool, Float, Int
 from jaxsusp.coordination.fans import Candidates
-from jaxsusp.world import Limits
+from jaxsusp.scenario.world import Limits
 
 
 class Spread(NamedTuple):

@@ -14,8 +14,8 @@ import numpy as np
 from jaxsusp._types import Array, Bool, Float
 from jaxsusp.coordination.fans import Candidates, fan_ends, joint_candidates
 from jaxsusp.geometry.collisions import count_between
+from jaxsusp.scenario.world import World
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World
 
 WIDTHS = (4.0, 3.0, 2.0, 1.0, 0.0)
 """Standard deviations (samples) of the running means, tried in turn; 0 changes nothing."""

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from jaxsusp._messages import numbered
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points, nearest_point
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
 from jaxsusp.geometry.meshes import bounding_box, hull_points
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.scenario import Scenario
-from jaxsusp.world import attachments_of, warning_shape
+from jaxsusp.scenario.messages import numbered
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.world import attachments_of, warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""

@@ -20,7 +20,7 @@ from jaxsusp.freespace.graph import RegionGraph
 from jaxsusp.freespace.iris import Bodies, Region, iris, proved_apart
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, irredundant
 from jaxsusp.freespace.space import FORMAT, FreeSpace, assemble, load_free_space
-from jaxsusp.scenario import Scenario
+from jaxsusp.scenario.scenario import Scenario
 
 SAMPLES = 20_000
 """Positions drawn in the workspace at a time, to estimate coverage and to find seeds."""

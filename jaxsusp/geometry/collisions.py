@@ -11,14 +11,14 @@ import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
+from jaxsusp.geometry.cables import attachment
 from jaxsusp.geometry.obstacles import Boxes, Cylinders, Obstacles, Spheres
 from jaxsusp.geometry.segments import (
     segment_meets_box,
     segment_meets_cylinder,
     segment_meets_sphere,
 )
-from jaxsusp.mechanics.cables import attachment, component
-from jaxsusp.vec3 import Vec3, cross, dot
+from jaxsusp.vec3 import Vec3, component, cross, dot
 
 SINGLE_PRECISION_MARGIN = 1e-4
 """m; added to every inflation when the arithmetic is float32, so that what a search finds clear

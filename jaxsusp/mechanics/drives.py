@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 
-from jaxsusp.mechanics.cables import attachment, component
-from jaxsusp.vec3 import Vec3, norm, safe_sqrt
+from jaxsusp.geometry.cables import attachment
+from jaxsusp.vec3 import Vec3, component, norm, pack, safe_sqrt
 
 DRIVES = ("cable", "end", "base", "hybrid")
 HYBRID_SHARE = 0.5
@@ -61,8 +61,7 @@ def ends_along(drive: str, position: Vec3, anchors: Anchors) -> Vec3:
         found = [end + level for end in each]
     else:
         found = [_rolled(position, anchors, k) for k in range(count)]
-    x, y, z = (jnp.stack(columns) for columns in zip(*found, strict=True))
-    return Vec3(x, y, z)
+    return pack(found)
 
 
 def _rolled(position: Vec3, anchors: Anchors, k: int) -> Vec3:

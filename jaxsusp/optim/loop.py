@@ -1,6 +1,6 @@
 """The one driver of all optimisers: it owns the loop, the keys, the history and the counting.
 
-Everything here is for a single run; `jaxsusp.batch` maps it over runs and scenarios. A trip of the
+Everything here is for a single run; `optim.batch` maps it over runs and scenarios. A trip of the
 loop is given by two numbers that are arguments of the compiled program, so a run may be advanced
 in chunks of any size, for a progress bar, without a second compilation and with the same result.
 """
@@ -14,7 +14,7 @@ from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Int, Key
 from jaxsusp.optim.base import Optimizer
-from jaxsusp.problem import Problem
+from jaxsusp.problem.problem import Problem
 
 
 class Progress(NamedTuple):

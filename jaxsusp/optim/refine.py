@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Float
-from jaxsusp.problem import Problem
+from jaxsusp.problem.problem import Problem
 
 FIRST_STEP = 0.02  # of the range of every variable
 GROW, SHRINK = 1.3, 0.8

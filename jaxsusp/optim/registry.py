@@ -1,28 +1,25 @@
-"""Algorithms by name. Adding one is one file with a factory, and one row here."""
+"""Algorithms by name. Adding one is one file in `algorithms/`, and one row in `choices`."""
 
 import functools
+import importlib
 import inspect
 from collections.abc import Callable
 
 from jaxsusp.errors import InputError, require_known
+from jaxsusp.optim import choices
 from jaxsusp.optim.base import Optimizer
-from jaxsusp.optim.dbo import dbo
-from jaxsusp.optim.ga import ga
-from jaxsusp.optim.pso import pso
-from jaxsusp.optim.sdbo import sdbo
+
+
+def _factory(row: choices.Row) -> Callable[[], Optimizer]:
+    module = importlib.import_module(f"jaxsusp.optim.algorithms.{row.file}")
+    factory = getattr(module, row.file)
+    return functools.partial(factory, **dict(row.options)) if row.options else factory
+
 
 ALGORITHMS: dict[str, Callable[[], Optimizer]] = {
-    "pso": pso,
-    "ga": ga,
-    "dbo": dbo,
-    "sdbo": sdbo,
-    "dbo-task": functools.partial(dbo, frame="task"),
-    "sdbo-task": functools.partial(sdbo, frame="task"),
+    name: _factory(row) for name, row in choices.ALGORITHMS.items()
 }
 """Factories by the names of what they make."""
-
-PUBLISHED = ("pso", "ga", "dbo", "sdbo")
-"""The four algorithms of the paper's Table 1."""
 
 
 def algorithm(choice: str | Optimizer) -> Optimizer:
@@ -45,14 +42,14 @@ def describe(name: str) -> str:
     return ", ".join([words.rstrip("."), *(f"{key}={value!r}" for key, value in options.items())])
 
 
-def algorithms(choices) -> list[Optimizer]:
+def algorithms(chosen) -> list[Optimizer]:
     """Several of them, with distinct names.
 
     Raises:
         InputError: an unknown or repeated name, or none at all.
     """
-    chosen = [algorithm(choice) for choice in choices]
-    names = [optimizer.name for optimizer in chosen]
+    found = [algorithm(choice) for choice in chosen]
+    names = [optimizer.name for optimizer in found]
     if not names:
         raise InputError("algorithms: none given; name at least one")
     repeated = sorted({name for name in names if names.count(name) > 1})
@@ -60,4 +57,4 @@ def algorithms(choices) -> list[Optimizer]:
         raise InputError(
             f"algorithms = {names}: {repeated[0]!r} is repeated; give each a name once"
         )
-    return chosen
+    return found

@@ -7,11 +7,11 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from jaxsusp.report.look import FAINT, INK, QUIET, heading, picture, quiet
-from jaxsusp.report.look import save as save
-from jaxsusp.report.painting import HALO
+from jaxsusp.report.drawing.look import FAINT, INK, QUIET, heading, picture, quiet
+from jaxsusp.report.drawing.look import save as save
+from jaxsusp.report.drawing.painting import HALO
 from jaxsusp.report.render import Column, percent
-from jaxsusp.workspace import Workspace
+from jaxsusp.suspension.workspace import Workspace
 
 _BLOCKED = "#B9A7A0"
 _MARGIN = LinearSegmentedColormap.from_list("margin", ["#DCEBF5", "#56A0CC", "#0B4A78"])

@@ -6,24 +6,18 @@ import numpy as np
 from pydantic import ValidationError
 
 from jaxsusp._types import Array
-from jaxsusp.constraints import count_violations
 from jaxsusp.errors import InputError, require_count, require_seed
-from jaxsusp.fitness import tensions_at
 from jaxsusp.freespace.bodies import domain_of, obstacle_bodies
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.geometry.collisions import count_collisions
-from jaxsusp.scenario import (
-    Box,
-    Cylinder,
-    Obstacle,
-    Scenario,
-    Sphere,
-    load_scenario,
-)
+from jaxsusp.problem.constraints import count_violations
+from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
+from jaxsusp.scenario.scenario import Scenario, load_scenario
+from jaxsusp.scenario.world import World, build_world
+from jaxsusp.suspension.level import tensions_at
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World, build_world
 
 MOST = 1000
 """Greatest number of obstacles."""

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from jaxsusp._types import Float
-from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.company import PARTS
 from jaxsusp.verify.engine import mujoco
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp.coordination.rigging import Rigging
+from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.company import KINDS, Company
 from jaxsusp.verify.elbow import elbow_speed
 from jaxsusp.verify.scene import Scene

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jaxsusp._types import Float
-from jaxsusp.coordination.rigging import Rigging
-from jaxsusp.geometry.arms import NEAR_END
+from jaxsusp.scenario.world import attachments_of, warning_shape
+from jaxsusp.suspension.arms import NEAR_END
+from jaxsusp.suspension.rigging import Rigging
+from jaxsusp.verify.bodies import Body, obstacle_shape
 from jaxsusp.verify.elbow import elbow
-from jaxsusp.verify.scene import Shape, obstacle_shape
-from jaxsusp.world import attachments_of, warning_shape
 
 NEAR_HOOK = 0.1
 """Share of a cable's length, from its lower end, that is not checked against other cables where
@@ -37,26 +37,6 @@ KINDS = (
 """What is measured, in the order of the report."""
 
 PARTS = ("column", "upper link", "lower link")
-
-
-class Body(NamedTuple):
-    """One body: an obstacle, the load, a segment with a radius, or a single point."""
-
-    name: str
-    first: int = 0  # points that span it, twice the same if it is one; 0: none
-    second: int = 0
-    radius: float = 0.0  # m
-    half_height: float | None = None  # m, of the load
-    obstacle: Shape | None = None
-
-    def reach(self, normals: Float[np.ndarray, "rows xyz"]) -> Float[np.ndarray, "rows"]:
-        """How far the body goes beyond its points in given directions (m)."""
-        if self.obstacle is not None:
-            return self.obstacle.support(normals)
-        if self.half_height is None:
-            return np.full(len(normals), self.radius)
-        level = np.hypot(normals[:, 0], normals[:, 1])
-        return self.radius * level + self.half_height * np.abs(normals[:, 2])
 
 
 class Pair(NamedTuple):

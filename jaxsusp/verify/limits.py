@@ -4,14 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp.constraints import WORKSPACE_TOLERANCE
-from jaxsusp.coordination.rigging import Rigging
-from jaxsusp.loads import Loads, cable_loads
 from jaxsusp.mechanics.statics import GRAVITY
-from jaxsusp.scenario import Scenario
+from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.world import attachments_of
+from jaxsusp.suspension.loads import Loads, cable_loads
+from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import Motion
 from jaxsusp.verify.certificate import ROUNDING, Certificate
-from jaxsusp.world import attachments_of
 
 INSTANTS = 2001
 """Times at which everything but the distances is computed: every 20 ms of a 40 s plan."""

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from jaxsusp.plans import Plan
+from jaxsusp.scenario.world import attachments_of
+from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.armmodel import add_robots, servo_names, servo_positions
+from jaxsusp.verify.bodies import BoxShape, CapsuleShape, CylinderShape, Shape, obstacle_shape
 from jaxsusp.verify.engine import mujoco
-from jaxsusp.verify.scene import BoxShape, CapsuleShape, CylinderShape, Shape, obstacle_shape
-from jaxsusp.world import attachments_of
 
 TIMESTEP = 0.002
 """s; a tenth of the shortest period of the stretched cables."""
@@ -32,24 +32,24 @@ _STONE = (0.79, 0.80, 0.83, 1.0)
 _LOAD, _CABLE = (0.77, 0.24, 0.0, 1.0), (0.17, 0.17, 0.17, 1.0)
 
 
-def build_spec(plan: Plan) -> Any:
+def build_spec(rigging: Rigging) -> Any:
     """The model as an editable MuJoCo specification; its key frame 0 is the start at rest.
 
     Controls are unstretched cable lengths (m), one per cable in order, and behind them what the
     servos of moving robots hold (`armmodel.servo_names`).
     """
     spec = mujoco.MjSpec()
-    spec.modelname = plan.scenario.name
+    spec.modelname = rigging.scenario.name
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
     spec.visual.headlight.ambient = [0.45] * 3
     spec.visual.headlight.diffuse = [0.45] * 3
     spec.visual.map.zfar = 60.0
-    _surroundings(spec, plan)
-    _load(spec, plan)
-    limits = plan.scenario.limits
-    for k in range(plan.rigging.cables):
+    _surroundings(spec, rigging)
+    _load(spec, rigging)
+    limits = rigging.scenario.limits
+    for k in range(rigging.cables):
         tendon = spec.add_tendon(name=f"cable {k + 1}", rgba=_CABLE)
         tendon.width = 2 * limits.cable_radius  # twice life, to be seen from afar
         spec.add_actuator(
@@ -65,28 +65,29 @@ def build_spec(plan: Plan) -> Any:
             forcelimited=True,
             forcerange=[-1e6, 0],  # a cable pulls and never pushes
         )
-    add_robots(spec, plan.rigging)
+    add_robots(spec, rigging)
     for k, tendon in enumerate(spec.tendons):
         tendon.wrap_site(f"end {k + 1}")
         tendon.wrap_site(f"attachment {k + 1}")
-    _key_frame(spec, plan)
+    _key_frame(spec, rigging)
     return spec
 
 
-def _key_frame(spec: Any, plan: Plan) -> None:
+def _key_frame(spec: Any, rigging: Rigging) -> None:
     """The state at the start: servos where they are to be, the load in its posture."""
     model = spec.compile()
     state = np.zeros(model.nq)
-    servos = servo_positions(plan.rigging, np.array(plan.law.path.span[:1]))[0]
-    for name, value in zip(servo_names(plan.rigging), servos, strict=True):
+    servos = servo_positions(rigging, np.array(rigging.law.path.span[:1]))[0]
+    for name, value in zip(servo_names(rigging), servos, strict=True):
         state[model.joint(name).qposadr[0]] = value
     turn = model.joint("turn").qposadr[0]
-    mujoco.mju_mat2Quat(state[turn : turn + 4], plan.loads_at(np.zeros(1)).posture[0].ravel())
-    control = np.concatenate([plan.lengths[0] - plan.tensions[0] / STIFFNESS, servos])
+    loads = rigging.loads(np.zeros(1))
+    mujoco.mju_mat2Quat(state[turn : turn + 4], loads.posture[0].ravel())
+    control = np.concatenate([loads.lengths[0] - loads.tensions[0] / STIFFNESS, servos])
     spec.add_key(name="start", qpos=state, ctrl=control)
 
 
-def _surroundings(spec: Any, plan: Plan) -> None:
+def _surroundings(spec: Any, rigging: Rigging) -> None:
     """Floor, lights, obstacles and arms."""
     world = spec.worldbody
     spec.add_texture(
@@ -101,7 +102,7 @@ def _surroundings(spec: Any, plan: Plan) -> None:
         name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[9, 9, 0.1],
         rgba=[0.93, 0.93, 0.92, 1], contype=0,
     )  # fmt: skip
-    for number, obstacle in enumerate(plan.scenario.obstacles, start=1):
+    for number, obstacle in enumerate(rigging.scenario.obstacles, start=1):
         name = f"{number} {obstacle.name or f'obstacle {number}'}"
         _geom(world, name, obstacle_shape(obstacle))
 
@@ -121,11 +122,11 @@ def _geom(world: Any, name: str, shape: Shape) -> None:
             world.add_geom(type=kinds.mjGEOM_SPHERE, pos=start, size=[radius, 0, 0], **look)
 
 
-def _load(spec: Any, plan: Plan) -> None:
+def _load(spec: Any, rigging: Rigging) -> None:
     """The load at the start: three translations, a ball joint, and its attachments."""
-    payload = plan.scenario.payload
+    payload = rigging.scenario.payload
     hook = payload.height / 2 - payload.center_of_mass[2]  # above the centre of mass
-    body = spec.worldbody.add_body(name="load", pos=plan.scenario.task.start)
+    body = spec.worldbody.add_body(name="load", pos=rigging.scenario.task.start)
     for name, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])):
         body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
     inertia = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4 + hook**2)
@@ -141,5 +142,5 @@ def _load(spec: Any, plan: Plan) -> None:
     body.explicitinertial, body.mass = True, payload.mass
     body.ipos = payload.center_of_mass
     body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
-    for k, place in enumerate(attachments_of(plan.scenario)):
+    for k, place in enumerate(attachments_of(rigging.scenario)):
         body.add_site(name=f"attachment {k + 1}", pos=place, size=[0.02] * 3, rgba=_CABLE)

@@ -10,7 +10,8 @@ from scipy.interpolate import CubicSpline
 
 from jaxsusp._files import write_text
 from jaxsusp._types import Float
-from jaxsusp.plans import Plan
+from jaxsusp.scenario.models import Limits
+from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify import armmodel
 from jaxsusp.verify.armmodel import servo_positions
 from jaxsusp.verify.engine import mujoco
@@ -74,9 +75,8 @@ class Simulation:
         """Greatest tension of any cable (N)."""
         return float(self.tensions.max())
 
-    def problems(self, plan: Plan) -> list[str]:
+    def problems(self, limits: Limits) -> list[str]:
         """What speaks against the plan, in sentences."""
-        limits = plan.scenario.limits
         ultimate = limits.safety_factor * limits.tension[1]
         found = [f"simulated load touches {name} at {time:.2f} s" for time, name in self.contacts]
         checks = (
@@ -91,29 +91,29 @@ class Simulation:
         return found
 
 
-def simulate(plan: Plan, seen: Callable[[Any, Any, float], None] | None = None) -> Simulation:
+def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = None) -> Simulation:
     """Play the cable lengths of a plan, and its arms and bases where they move.
 
     Args:
-        plan: any plan.
+        rigging: the system along its path.
         seen: called with MuJoCo's model and data and the time (s) at every record.
 
     Returns:
         A `Simulation`.
     """
-    model = build_spec(plan).compile()
+    model = build_spec(rigging).compile()
     data = mujoco.MjData(model)
-    step, duration = model.opt.timestep, plan.scenario.task.duration
+    step, duration = model.opt.timestep, rigging.scenario.task.duration
     steps = round(duration / step)
     times = np.arange(steps + 1) * step
-    controls = commands(plan, times)
+    controls = commands(rigging, times)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     data.ctrl[:] = controls[0]
     mujoco.mj_step(model, data, round(SETTLING / step))
 
     load = model.geom("load").id
     records, contacts = [], {}
-    cables = plan.rigging.cables
+    cables = rigging.cables
     centre, attitude, pull = data.body("load").xpos, data.body("load").xmat, data.actuator_force
     for i in range(steps + 1):
         data.ctrl[:] = controls[i]
@@ -131,20 +131,22 @@ def simulate(plan: Plan, seen: Callable[[Any, Any, float], None] | None = None) 
         table[:, 1:4],
         np.rad2deg(np.arccos(np.clip(table[:, 4], -1, 1))),
         table[:, 5 : 5 + cables],
-        plan.at(when).position,
-        plan.loads_at(when).tensions,
+        rigging.law.at(when).position,
+        rigging.loads(when).tensions,
         tuple((time, name) for name, time in contacts.items()),
     )
 
 
-def export_model(plan: Plan, path: str | os.PathLike[str]) -> None:
+def export_model(rigging: Rigging, path: str | os.PathLike[str]) -> None:
     """Write the MJCF of a plan; the controls are those of `commands`."""
-    spec = build_spec(plan)
+    spec = build_spec(rigging)
     spec.compile()
     write_text(path, spec.to_xml())
 
 
-def commands(plan: Plan, times: Float[np.ndarray, "times"]) -> Float[np.ndarray, "times controls"]:
+def commands(
+    rigging: Rigging, times: Float[np.ndarray, "times"]
+) -> Float[np.ndarray, "times controls"]:
     """Controls of the model: unstretched cable lengths (m), then servo positions (m, rad).
 
     A cable is commanded shorter than planned by what its tension stretches it, which is what
@@ -152,10 +154,10 @@ def commands(plan: Plan, times: Float[np.ndarray, "times"]) -> Float[np.ndarray,
     of what they drive; with a lead of damping/stiffness times the planned rate they damp the
     departure from the plan alone.
     """
-    nodes = np.linspace(0, plan.scenario.task.duration, INSTANTS)
-    loads = plan.loads_at(nodes)
+    nodes = np.linspace(0, rigging.scenario.task.duration, INSTANTS)
+    loads = rigging.loads(nodes)
     winches = CubicSpline(nodes, loads.lengths - loads.tensions / STIFFNESS)
-    servos = CubicSpline(nodes, servo_positions(plan.rigging, plan.law.parameter(nodes)))
+    servos = CubicSpline(nodes, servo_positions(rigging, rigging.law.parameter(nodes)))
     found = [
         course(times) + damping / stiffness * course(times, 1)
         for course, damping, stiffness in (

@@ -10,11 +10,11 @@ from plans import LOW
 
 import jaxsusp as js
 from jaxsusp.coordination.ends import decode, encode, end_bounds, end_problem, evaluate_ends
-from jaxsusp.geometry.arms import choose_postures, separation_slack
 from jaxsusp.mechanics import arm
-from jaxsusp.plans import plan_through, sample_path
+from jaxsusp.planning.through import plan_through, sample_path
+from jaxsusp.scenario.world import build_world
+from jaxsusp.suspension.arms import choose_postures, separation_slack
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world
 
 
 @pytest.fixture(scope="module")
@@ -72,10 +72,10 @@ def test_placed_ends_are_better_than_the_given_ones(scenarios, path):
 
 def test_the_printed_table_2_is_out_of_reach(scenarios):
     """Every row of the paper's Table 2 puts ends beyond the arms they are printed for."""
-    from jaxsusp.report import paper
+    from jaxsusp.report.comparison import published as paper
 
     printed = np.genfromtxt(
-        paper.__file__.replace("report/paper.py", "data/paper/tables2_3.csv"),
+        paper.__file__.replace("published.py", "data/tables2_3.csv"),
         delimiter=",", skip_header=1, usecols=(1, 2, 3, 4),
     )  # fmt: skip
     robots = build_world(scenarios[0]).robots

@@ -14,12 +14,12 @@ from scipy.interpolate import make_interp_spline
 import jaxsusp as js
 from jaxsusp.coordination.fans import combinations, offsets, rotated
 from jaxsusp.coordination.sequence import best_constant, best_sequence, spread_of, step_costs
-from jaxsusp.coordination.smoothing import WIDTHS, count_between, running_means
-from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.coordination.smoothing import WIDTHS, running_means
+from jaxsusp.geometry.collisions import count_between, count_collisions
 from jaxsusp.geometry.contacts import segments_clear
+from jaxsusp.scenario.world import build_world
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world
 
 SAMPLES, KEPT, Q = 5, 4, 6
 solve = jax.jit(best_sequence)

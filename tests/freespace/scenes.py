@@ -3,7 +3,7 @@
 import numpy as np
 
 import jaxsusp as js
-from jaxsusp.scenario import Box, Cylinder, Robot, Sphere
+from jaxsusp.scenario.models import Box, Cylinder, Robot, Sphere
 
 
 def anywhere(random: np.random.Generator, count: int, robots: int) -> js.Scenario:

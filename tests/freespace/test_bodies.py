@@ -10,12 +10,12 @@ from scenes import anywhere
 import jaxsusp as js
 from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.iris import Bodies
+from jaxsusp.geometry.cables import cable_lengths, cable_vectors
 from jaxsusp.geometry.collisions import count_collisions
-from jaxsusp.mechanics.cables import cable_lengths, cable_vectors
 from jaxsusp.mechanics.statics import hook_tensions, weight
-from jaxsusp.scenario import Box, Mesh
+from jaxsusp.scenario.models import Box, Mesh
+from jaxsusp.scenario.world import build_world
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world
 
 count = jax.jit(count_collisions)
 

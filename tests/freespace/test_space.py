@@ -14,9 +14,9 @@ from jaxsusp.freespace.bodies import bodies_of
 from jaxsusp.freespace.graph import polyline_length
 from jaxsusp.freespace.iris import proved_apart
 from jaxsusp.freespace.polyhedra import HalfSpaces
-from jaxsusp.scenario import Box
+from jaxsusp.scenario.models import Box
+from jaxsusp.scenario.world import build_world
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world
 
 
 @pytest.fixture(scope="module")

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jaxsusp as js
-from jaxsusp.fitness import trajectory
 from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.geometry.obstacles import pack
+from jaxsusp.problem.fitness import trajectory
 from jaxsusp.vec3 import Vec3
 
 count = jax.jit(count_collisions)
@@ -202,7 +202,7 @@ def test_a_contact_between_two_samples_is_found(scenarios, problems, number):
 
 
 def test_padding_never_counts(scenarios, problems):
-    from jaxsusp.world import build_world
+    from jaxsusp.scenario.world import build_world
 
     x = jnp.asarray(np.random.default_rng(0).uniform(-1, 3, (50, 15)))
     world = build_world(scenarios[0], (9, 8, 7))

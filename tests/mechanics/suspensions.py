@@ -4,9 +4,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxsusp.mechanics.equilibrium import hang, settle
-from jaxsusp.mechanics.load import Load, Pose, tilt
-from jaxsusp.mechanics.potential import is_stable, stiffness
+from jaxsusp.mechanics.posture.equilibrium import hang, settle
+from jaxsusp.mechanics.posture.load import Load, Pose, tilt
+from jaxsusp.mechanics.posture.potential import is_stable, stiffness
 
 DOWN = (0.0, 0.0, -9.81)
 

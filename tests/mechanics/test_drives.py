@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
-from jaxsusp.constraints import count_misplaced
-from jaxsusp.fitness import ends_at
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.geometry.obstacles import pack
 from jaxsusp.mechanics.drives import DRIVES, HYBRID_SHARE, Anchors, bases_along
+from jaxsusp.scenario.world import build_world, cast_world
+from jaxsusp.suspension.level import ends_at
+from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world, cast_world
 
 WAY = np.linspace([0.0, 2.0, 1.0], [0.5, -1.0, 2.5], 20)
 

@@ -7,10 +7,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
-from jaxsusp.fitness import tensions_at, waypoint_stability
 from jaxsusp.mechanics.stability import polygon_gauge, stability, stability_factors
+from jaxsusp.problem.fitness import waypoint_stability
+from jaxsusp.scenario.world import build_world
+from jaxsusp.suspension.level import tensions_at
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import build_world
 
 
 def vec(rows) -> Vec3:

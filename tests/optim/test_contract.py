@@ -9,11 +9,11 @@ import pytest
 from jax.tree_util import Partial
 
 import jaxsusp as js
-from jaxsusp.batch import run_batch
 from jaxsusp.optim.base import Best, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import count_evaluations
 from jaxsusp.optim.registry import algorithm, algorithms
-from jaxsusp.problem import stack_problems
+from jaxsusp.problem.problem import stack_problems
 
 PER_STEP = {"pso": 1, "ga": 1, "dbo": 1, "sdbo": 2, "dbo-task": 1, "sdbo-task": 2}
 
@@ -91,7 +91,7 @@ def test_a_run_depends_on_seed_name_and_index_alone(name):
 
 def test_chunks_do_not_change_a_run():
     """The driver advances in parts for the progress bar; the parts leave no trace."""
-    from jaxsusp import batch
+    from jaxsusp.optim import batch
 
     stacked = stack_problems([problem(sphere)])
     whole = run_batch(stacked, js.pso(), 0, range(2), 17, 8)

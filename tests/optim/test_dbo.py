@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
+from jaxsusp.optim.algorithms.dbo import DboCoefficients, area, roles
+from jaxsusp.optim.algorithms.sdbo import SdboCoefficients, _sine_cosine
 from jaxsusp.optim.base import Best, Clock
-from jaxsusp.optim.dbo import DboCoefficients, area, roles
-from jaxsusp.optim.sdbo import SdboCoefficients, _sine_cosine
 
 FUNCTIONS = {
     "sphere": (lambda x: jnp.sum(x**2), 100),

@@ -24,11 +24,11 @@ import pytest
 from mujoco_scene import KINDS, Scene, packed
 
 import jaxsusp as js
-from jaxsusp.fitness import trajectory
 from jaxsusp.geometry.collisions import count_collisions
-from jaxsusp.scenario import Box, Cylinder, Sphere
+from jaxsusp.problem.fitness import trajectory
+from jaxsusp.scenario.models import Box, Cylinder, Sphere
+from jaxsusp.scenario.world import World, build_world, cast_world
 from jaxsusp.vec3 import Vec3
-from jaxsusp.world import World, build_world, cast_world
 
 INSTANTS = {"true distances": 240, "warning areas": 2000}  # least number per polyline
 ROUNDING = 1e-6  # m, of MuJoCo's float32 box meshes

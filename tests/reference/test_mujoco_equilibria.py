@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from jaxsusp.mechanics.equilibrium import CONVERGED, hang, settle
-from jaxsusp.mechanics.load import Load, Pose
-from jaxsusp.mechanics.potential import stiffness
-from jaxsusp.mechanics.redundant import hang_within
+from jaxsusp.mechanics.posture.equilibrium import CONVERGED, hang, settle
+from jaxsusp.mechanics.posture.load import Load, Pose
+from jaxsusp.mechanics.posture.potential import stiffness
+from jaxsusp.mechanics.posture.redundant import hang_within
 
 POSES = 12
 TIMESTEP = 0.002  # s

@@ -19,7 +19,7 @@ from jaxsusp.geometry.segments import (
     segment_meets_cylinder,
     segment_meets_sphere,
 )
-from jaxsusp.scenario import Box, Cylinder, Sphere
+from jaxsusp.scenario.models import Box, Cylinder, Sphere
 from jaxsusp.vec3 import Vec3
 
 THIN = 1e-4  # m, radius of the capsule

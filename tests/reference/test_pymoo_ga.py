@@ -18,7 +18,7 @@ from pymoo.optimize import minimize
 from scipy.stats import chi2_contingency, ks_2samp
 
 import jaxsusp as js
-from jaxsusp.optim.ga import GaCoefficients, crossover, mutate, tournament
+from jaxsusp.optim.algorithms.ga import GaCoefficients, crossover, mutate, tournament
 
 GENERATIONS = 200
 THEIR_RUNS = 60

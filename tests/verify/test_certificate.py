@@ -11,8 +11,8 @@ import pytest
 from plans import HIGH
 
 import jaxsusp as js
-from jaxsusp.coordination.rigging import Rigging
-from jaxsusp.plans import plan_through
+from jaxsusp.planning.through import plan_through
+from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.certificate import TOLERANCE, certify
 from jaxsusp.verify.company import KINDS

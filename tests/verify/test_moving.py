@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from test_certificate import signed_distance
 
 import jaxsusp as js
-from jaxsusp.coordination.rigging import Rigging, ends_beside
 from jaxsusp.geometry.segments import segment_distance
 from jaxsusp.mechanics import arm
+from jaxsusp.suspension.rigging import Rigging, ends_beside
 from jaxsusp.trajectory.smoothpath import SmoothPath, Spline
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.vec3 import Vec3

@@ -24,7 +24,7 @@ def changed(scenario, **tables):
 
 def test_at_rest_the_simulated_tensions_are_the_static_ones(plan):
     """Before the plan begins; MuJoCo knows nothing of Eq. 4."""
-    model = build_spec(plan).compile()
+    model = build_spec(plan.rigging).compile()
     data = mujoco.MjData(model)
     data.ctrl[:] = plan.lengths[0]
     mujoco.mj_step(model, data, 4000)
@@ -34,25 +34,28 @@ def test_at_rest_the_simulated_tensions_are_the_static_ones(plan):
 
 def test_a_hasty_plan_swings_and_is_told_so(plan):
     hasty = changed(plan.scenario, task={"duration": 5.0})
-    found = simulate(js.plan_through(hasty, plan.waypoints))
+    found = simulate(js.plan_through(hasty, plan.waypoints).rigging)
     assert found.swing > 5
-    assert any("tilts" in problem or "differ" in problem for problem in found.problems(plan))
+    assert any(
+        "tilts" in problem or "differ" in problem
+        for problem in found.problems(plan.scenario.limits)
+    )
 
 
 def test_contacts_are_noticed(plan):
     crate = {"kind": "box", "name": "crate", "center": (0, 0, 2.6), "size": (1.0, 0.5, 0.8)}
     blocked = changed(plan.scenario, obstacles=(crate,))
-    found = simulate(js.plan_through(blocked, plan.waypoints))
+    found = simulate(js.plan_through(blocked, plan.waypoints).rigging)
     assert found.contacts[0][1] == "1 crate"
-    assert any("touches 1 crate" in problem for problem in found.problems(plan))
+    assert any("touches 1 crate" in problem for problem in found.problems(plan.scenario.limits))
 
 
 def test_the_exported_model_is_the_simulated_one(plan, tmp_path):
-    export_model(plan, tmp_path / "model.xml")
+    export_model(plan.rigging, tmp_path / "model.xml")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     data = mujoco.MjData(model)
     assert model.nu == 3
-    data.ctrl[:] = commands(plan, np.zeros(1))[0]
+    data.ctrl[:] = commands(plan.rigging, np.zeros(1))[0]
     mujoco.mj_step(model, data, 1000)
     off = np.linalg.norm(data.body("load").xpos - plan.position[0])
     assert off < 2e-3
@@ -61,7 +64,7 @@ def test_the_exported_model_is_the_simulated_one(plan, tmp_path):
 
 
 def test_cables_pull_and_never_push(plan):
-    model = build_spec(plan).compile()
+    model = build_spec(plan.rigging).compile()
     assert (model.actuator_forcerange[:, 1] == 0).all()
     data = mujoco.MjData(model)
     data.ctrl[:] = plan.lengths[0] + 1.0  # all slack: the load falls

@@ -1,0 +1,62 @@
+# The public names, in the order in which data passes, and where each of them lives.
+
+__version__: str
+
+# what a person states
+# comparisons
+from .comparison.compare import compare as compare
+from .comparison.dataset import append_results as append_results
+from .comparison.dataset import load_results as load_results
+from .comparison.dataset import save_results as save_results
+
+# where the cables' ends go
+from .coordination.ends import Placement as Placement
+from .coordination.ends import joint_problem as joint_problem
+from .coordination.ends import place_ends as place_ends
+from .coordination.leastvariance import Coordination as Coordination
+from .coordination.leastvariance import fixed_ends as fixed_ends
+from .coordination.leastvariance import moving_ends as moving_ends
+from .errors import InputError as InputError
+from .errors import ScenarioError as ScenarioError
+
+# where the load and all cables are clear
+from .freespace.build import free_space as free_space
+from .freespace.space import FreeSpace as FreeSpace
+from .freespace.space import load_free_space as load_free_space
+
+# optimisers
+from .optim.algorithms.dbo import dbo as dbo
+from .optim.algorithms.ga import ga as ga
+from .optim.algorithms.pso import pso as pso
+from .optim.algorithms.sdbo import sdbo as sdbo
+from .optim.base import Best as Best
+from .optim.base import NoInfo as NoInfo
+from .optim.base import Optimizer as Optimizer
+from .optim.minimize import Result as Result
+from .optim.minimize import minimize as minimize
+from .optim.registry import ALGORITHMS as ALGORITHMS
+
+# plans
+from .planning.feasibility import ImpossibleTaskError as ImpossibleTaskError
+from .planning.loading import load_plan as load_plan
+from .planning.plan import Plan as Plan
+from .planning.planner import plan as plan
+from .planning.through import plan_through as plan_through
+from .planning.verification import Verification as Verification
+from .planning.verification import verify_plan as verify_plan
+
+# fitness
+from .problem.fitness import FitnessTerms as FitnessTerms
+from .problem.problem import Problem as Problem
+from .scenario.builtin import examples as examples
+from .scenario.builtin import scenarios as scenarios
+from .scenario.scenario import Scenario as Scenario
+from .scenario.scenario import load_scenario as load_scenario
+from .studies.random_scenario import random_scenario as random_scenario
+
+# the suspension at given positions
+from .suspension.hanging import Hanging as Hanging
+from .suspension.hanging import equilibrium as equilibrium
+from .suspension.tensions import tensions as tensions
+from .suspension.workspace import Workspace as Workspace
+from .suspension.workspace import workspace as workspace

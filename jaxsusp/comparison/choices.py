@@ -1,0 +1,4 @@
+"""What a person chooses from; light to import, so that a mistyped choice is answered at once."""
+
+BUDGETS = ("iterations", "evaluations")
+"""What all algorithms of a comparison get equally much of."""

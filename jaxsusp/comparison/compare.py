@@ -1,0 +1,203 @@
+"""Compare algorithms on scenarios in one call (the main job)."""
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import jax
+import numpy as np
+import xarray as xr
+
+from jaxsusp.comparison import dataset
+from jaxsusp.comparison.choices import BUDGETS
+from jaxsusp.comparison.store import Store
+from jaxsusp.comparison.unit import Unit, stack_scenarios
+from jaxsusp.errors import (
+    InputError,
+    require,
+    require_counts,
+    require_known,
+    require_label,
+    require_seed,
+)
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.choices import PUBLISHED
+from jaxsusp.optim.registry import algorithms as algorithms_of
+from jaxsusp.problem.choices import SEARCHES
+from jaxsusp.scenario.builtin import scenarios as built_in
+from jaxsusp.scenario.scenario import Scenario, load_scenario
+
+
+class Event(NamedTuple):
+    """What a progress callback is told."""
+
+    algorithm: str  # the name of a scenario while its free space is mapped
+    phase: str  # "free space", "resumed", "compiling", "running" or "finished"
+    done: int  # fitness evaluations done …
+    total: int  # … of the whole comparison
+    compilations: int = 0  # still to be done, this one included
+
+
+def compare(
+    scenarios: str | Sequence[str | os.PathLike[str] | Scenario] = built_in(),
+    algorithms: str | Sequence[str | Optimizer] = PUBLISHED,
+    runs: int = 20,
+    iterations: int = 500,
+    population: int = 30,
+    seed: int = 0,
+    *,
+    budget: str = "iterations",
+    search: str = SEARCHES[0],
+    waypoints: int = 5,
+    samples: int = 40,
+    output: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    progress: Callable[[Event], None] = lambda event: None,
+) -> xr.Dataset:
+    """Run every algorithm on every scenario, several independent runs each, as array programs.
+
+    Args:
+        scenarios: built-in names, paths of scenario files, or scenarios.
+        algorithms: names (see `jaxsusp.ALGORITHMS`) or optimisers.
+        runs: independent runs of every algorithm on every scenario.
+        iterations: iterations per run.
+        population: candidates per iteration.
+        seed: root of all randomness.
+        budget: "iterations" gives every algorithm as many iterations (the paper); "evaluations"
+            as many as fit into population × (iterations + 1) fitness evaluations.
+        search: what waypoints are kept in: "free-space", "ellipsoid" or "box", see
+            `problem.search`; the first two compute every scenario's free space once.
+        waypoints: free waypoints m between start and goal; D = 3m.
+        samples: trajectory samples n.
+        output: folder for `compare.nc`; every finished unit is kept there at once, so that an
+            interrupt loses nothing that finished. None saves nothing.
+        resume: go on from what is in `output`: only runs that are not finished are computed, and
+            nothing finished is lost, so that runs or algorithms beyond those asked for stay in
+            the dataset.
+        progress: called when something happens, see `Event`.
+
+    Returns:
+        The dataset described by `jaxsusp.comparison.dataset.VARIABLES`.
+
+    Raises:
+        InputError: bad settings, a folder that cannot be written, or finished runs that were made
+            with other settings. Nothing has been written then.
+    """
+    require_counts(runs=runs, iterations=iterations, population=population)
+    require_seed(seed)
+    require_known("budget", budget, BUDGETS)
+    require(not resume or output is not None, "resume = True: give the output folder to resume")
+    optimizers = _optimizers(algorithms)
+    chosen = _distinct(scenarios)
+
+    def told(scenario: Scenario) -> None:
+        if search != "box":
+            progress(Event(scenario.name, "free space", 0, 1))
+
+    groups = stack_scenarios(chosen, waypoints, samples, search, told)
+    units = [
+        Unit.plan(group, optimizer, iterations, population, budget)
+        for optimizer in optimizers
+        for group in groups
+    ]
+    settings = {
+        "iterations": iterations,
+        "population": population,
+        "seed": seed,
+        "waypoints": waypoints,
+        "samples": samples,
+        "search": search,
+        "budget": budget,
+        "scenarios": {scenario.name: scenario.digest for scenario in chosen},
+    }
+    store = Store(
+        None if output is None else Path(output),
+        {
+            "settings": json.dumps(settings),
+            "seed": seed,
+            "coefficients": json.dumps({each.name: _coefficients(each) for each in optimizers}),
+            "scenario_files": json.dumps({each.name: each.to_toml() for each in chosen}),
+            **dataset.provenance(),
+        },
+    )
+    finished = store.finished() if resume else []
+    store.prepare()
+    ds = dataset.merge([*_compute_missing(units, runs, seed, store, finished, progress), *finished])
+    ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
+    store.complete(ds)
+    return ds
+
+
+def _compute_missing(
+    units: Sequence[Unit],
+    runs: int,
+    seed: int,
+    store: Store,
+    finished: Sequence[xr.Dataset],
+    progress: Callable[[Event], None],
+) -> list[xr.Dataset]:
+    """Compute what is not finished, unit by unit, and store each at once."""
+    work = [(unit, unit.missing(runs, finished)) for unit in units]
+    total, to_go = sum(unit.cost(runs) for unit in units), sum(bool(missing) for _, missing in work)
+    done, computed = 0, []
+
+    def tell(unit: Unit, phase: str, extra: int = 0) -> None:
+        progress(Event(unit.optimizer.name, phase, done + extra, total, to_go))
+
+    for unit, missing in work:
+        done += unit.cost(runs - len(missing))
+        if not missing:
+            tell(unit, "resumed")
+            continue
+        tell(unit, "compiling")
+        to_go -= 1
+
+        def report(iterations: int, unit=unit, missing=missing) -> None:
+            tell(unit, "running", unit.cost(len(missing)) * iterations // unit.iterations)
+
+        part = unit.compute(seed, missing, report).assign_attrs(store.attributes)
+        store.save(part)
+        computed.append(part)
+        done += unit.cost(len(missing))
+        tell(unit, "finished")
+    return computed
+
+
+def _sorted(ds: xr.Dataset, scenarios: list[str], algorithms: list[str]) -> xr.Dataset:
+    """In the order asked for; algorithms that were there before come last."""
+    there = ds["algorithm"].values.tolist()
+    others = [name for name in there if name not in algorithms]
+    return ds.sel(scenario=scenarios, algorithm=[*algorithms, *others])
+
+
+def _optimizers(choices: str | Sequence[str | Optimizer]) -> list[Optimizer]:
+    """Optimisers with distinct names that can label the dataset."""
+    optimizers = algorithms_of([choices] if isinstance(choices, str) else choices)
+    for optimizer in optimizers:
+        require_label("algorithm", optimizer.name)
+    return optimizers
+
+
+def _coefficients(optimizer: Optimizer) -> list:
+    """Numbers that an optimiser's name does not tell, to notice when they change."""
+    return [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(optimizer)]
+
+
+def _distinct(choices: str | Sequence[str | os.PathLike[str] | Scenario]) -> list[Scenario]:
+    """Load scenarios and refuse two of one name, which label the dataset."""
+    chosen: dict[str, tuple[Scenario, str]] = {}
+    for choice in [choices] if isinstance(choices, str) else choices:
+        scenario = choice if isinstance(choice, Scenario) else load_scenario(choice)
+        source = repr(choice.name) if isinstance(choice, Scenario) else os.fspath(choice)
+        require_label(f"name of scenario {source}", scenario.name)
+        if scenario.name in chosen:
+            other = chosen[scenario.name][1]
+            raise InputError(
+                f"scenarios: {other} and {source} are both named {scenario.name!r}; give every "
+                "scenario once, under its own name"
+            )
+        chosen[scenario.name] = scenario, source
+    require(bool(chosen), "scenarios: none given; name at least one")
+    return [scenario for scenario, _ in chosen.values()]

@@ -1,0 +1,289 @@
+"""The labelled dataset of a comparison: assemble, save, load, append.
+
+One layout serves a whole comparison and the units it is computed in (one algorithm, some runs, the
+scenarios of one static shape), so that resuming, appending runs and merging use the same code.
+Missing cells are NaN (0 in integer variables) and marked by a NaN fitness.
+"""
+
+import datetime
+import json
+import os
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import jax
+import numpy as np
+import xarray as xr
+
+from jaxsusp._files import atomic_path
+from jaxsusp.errors import InputError
+from jaxsusp.optim.devices import cores
+
+TERMS = ("length", "height", "cable", "tension_rate", "curvature", "penalty")
+PACKAGES = ("jaxsusp", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf")
+JSON_ATTRIBUTES = ("settings", "coefficients", "scenario_files", "versions", "machine")
+DECISIVE = ("jaxsusp", "jax", "jaxlib")
+"""Packages whose version decides what a search finds: these must agree to put runs together."""
+
+
+class Variable(NamedTuple):
+    """Dimensions, type and meaning of one variable of the dataset."""
+
+    dims: tuple[str, ...]
+    dtype: type
+    meaning: str
+    units: str = "1"
+
+
+_CELL = ("scenario", "algorithm")
+_RUN = (*_CELL, "run")
+_NUMBERED = ("run", "iteration", "variable", "sample")
+
+VARIABLES: dict[str, Variable] = {
+    "fitness": Variable(_RUN, np.float64, "best fitness, re-evaluated in float64 (Eq. 21)"),
+    "terms": Variable((*_RUN, "term"), np.float64, "terms f1 … f6 of the best candidate"),
+    "collisions": Variable(_RUN, np.int64, "contacts n_p of the best candidate"),
+    "violations": Variable(_RUN, np.int64, "violated limits n_g of the best candidate"),
+    "x": Variable((*_RUN, "variable"), np.float64, "best decision vector (waypoints)", "m"),
+    "history": Variable((*_RUN, "iteration"), np.float32, "best fitness so far"),
+    "position": Variable(
+        (*_CELL, "sample", "axis"), np.float64, "trajectory of the best run's load", "m"
+    ),
+    "curvature_radius": Variable(
+        _CELL, np.float64, "median of 1/curvature over the best run's interior samples", "m"
+    ),
+    "evaluations": Variable(_CELL, np.int64, "fitness evaluations per run"),
+    "stability_acted": Variable(_RUN, np.float64, "share of beetles that Eq. 19 acted on"),
+    "stability_kept": Variable(_RUN, np.float64, "share of beetles that Eq. 19 improved"),
+    "obstacles": Variable(("scenario",), np.int64, "number of obstacles"),
+    "iterations": Variable(("algorithm",), np.int64, "iterations per run"),
+    "seconds_run": Variable(("algorithm",), np.float64, "computation of all runs", "s"),
+    "seconds_compile": Variable(("algorithm",), np.float64, "compilation, once", "s"),
+}
+
+SUMMED = ("seconds_run", "seconds_compile")
+"""Variables that add up when a comparison is put together from units."""
+
+OF_THE_BEST_RUN = ("position", "curvature_radius")
+"""Variables that tell of the best run of a cell."""
+
+
+def assemble(coords: Mapping[str, Any], values: Mapping[str, np.ndarray]) -> xr.Dataset:
+    """A dataset of the one layout.
+
+    Args:
+        coords: labels of scenario, algorithm, run, iteration, variable, sample.
+        values: arrays by the names of `VARIABLES`, shaped accordingly.
+    """
+    labels = {**coords, "term": list(TERMS), "axis": ["x", "y", "z"]}
+    return xr.Dataset(
+        {
+            name: xr.Variable(
+                variable.dims,
+                np.asarray(values[name], variable.dtype),
+                {"long_name": variable.meaning, "units": variable.units},
+            )
+            for name, variable in VARIABLES.items()
+        },
+        {name: (name, np.asarray(label)) for name, label in labels.items()},
+    )
+
+
+def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Put datasets of one comparison together.
+
+    Scenarios and algorithms keep the order in which they first appear; numbered labels are sorted.
+
+    Raises:
+        InputError: two of them hold the same run of the same algorithm on the same scenario.
+    """
+    coords = {dim: _union(unit[dim].values for unit in units) for dim in _CELL}
+    coords |= {dim: sorted(_union(unit[dim].values for unit in units)) for dim in _NUMBERED}
+    sizes = {**{dim: len(labels) for dim, labels in coords.items()}, "term": len(TERMS), "axis": 3}
+    values = {
+        name: np.full(
+            [sizes[dim] for dim in variable.dims],
+            np.nan if issubclass(variable.dtype, np.floating) and name not in SUMMED else 0,
+            variable.dtype,
+        )
+        for name, variable in VARIABLES.items()
+    }
+    best = np.full((sizes["scenario"], sizes["algorithm"]), np.nan)
+    for unit in sorted(units, key=lambda unit: unit["run"].values.min()):  # a tie goes to the first
+        place = {
+            dim: [coords[dim].index(label) for label in unit[dim].values.tolist()] for dim in coords
+        }
+        there = unit["fitness"].transpose(*_RUN).notnull()
+        _refuse_overlap(values["fitness"], there, place)
+        leads = _leads(best, unit, place)
+        for name, variable in VARIABLES.items():
+            where = np.ix_(*(place.get(dim, range(sizes[dim])) for dim in variable.dims))
+            given = unit[name].transpose(*variable.dims).values
+            if name in SUMMED:
+                values[name][where] += given
+                continue
+            if name in OF_THE_BEST_RUN:
+                told = leads
+            else:
+                told = there.any([dim for dim in _RUN if dim not in variable.dims]).values
+            told = told.reshape(told.shape + (1,) * (given.ndim - told.ndim))
+            values[name][where] = np.where(told, given, values[name][where])
+    return assemble(coords, values).assign_attrs(_united_attributes(units))
+
+
+def _refuse_overlap(fitness: np.ndarray, there: xr.DataArray, place: dict[str, list[int]]) -> None:
+    twice = there & ~np.isnan(fitness[np.ix_(*(place[dim] for dim in _RUN))])
+    if twice.any():
+        runs = twice["run"].values[twice.any(_CELL).values].tolist()
+        names = twice["algorithm"].values[twice.any(("scenario", "run")).values].tolist()
+        raise InputError(
+            f"run = {runs} of {', '.join(names)} is there twice; append runs with other numbers"
+        )
+
+
+def _leads(best: np.ndarray, unit: xr.Dataset, place: dict[str, list[int]]) -> np.ndarray:
+    """Where a unit has the best run so far, (scenario, algorithm); updates `best`."""
+    cells = np.ix_(*(place[dim] for dim in _CELL))
+    found = unit["fitness"].transpose(*_RUN).min("run").values  # NaN only where there is no run
+    leads = (found < best[cells]) | (np.isnan(best[cells]) & ~np.isnan(found))
+    best[cells] = np.fmin(found, best[cells])
+    return leads
+
+
+def _united_attributes(units: Sequence[xr.Dataset]) -> dict[str, Any]:
+    """Those of the first unit, with the coefficients of the algorithms of all."""
+    attributes = dict(units[0].attrs)
+    if "coefficients" in attributes:
+        united = {}
+        for unit in units:
+            united |= json.loads(unit.attrs.get("coefficients", "{}"))
+        attributes["coefficients"] = json.dumps(united)
+    return attributes
+
+
+def _union(labels: Iterable[np.ndarray]) -> list:
+    return list(dict.fromkeys(label for group in labels for label in group.tolist()))
+
+
+def append_results(ds: xr.Dataset, more: xr.Dataset) -> xr.Dataset:
+    """Two comparisons of the same settings as one, for example further runs of a long study.
+
+    Raises:
+        InputError: the settings differ, or a run is in both.
+    """
+    if difference := different_settings(ds, more):
+        raise InputError(f"the two comparisons differ in {difference}; append only equal settings")
+    return merge([ds, more])
+
+
+def different_settings(ds: xr.Dataset, more: xr.Dataset) -> str:
+    """The first setting, decisive version or coefficient in which two datasets differ, or ""."""
+    (one, one_versions, one_algorithms), (two, two_versions, two_algorithms) = (
+        [
+            json.loads(each.attrs.get(name, "{}"))
+            for name in ("settings", "versions", "coefficients")
+        ]
+        for each in (ds, more)
+    )
+    for key in one | two:
+        if one.get(key) != two.get(key):
+            if key == "scenarios":
+                return _different_scenarios(one.get(key, {}), two.get(key, {}))
+            return f"{key} ({one.get(key)!r} and {two.get(key)!r})"
+    for package in DECISIVE:
+        if one_versions.get(package) != two_versions.get(package):
+            return (
+                f"the version of {package} "
+                f"({one_versions.get(package)} and {two_versions.get(package)})"
+            )
+    for name in one_algorithms.keys() & two_algorithms.keys():
+        if one_algorithms[name] != two_algorithms[name]:
+            return f"the coefficients of {name}"
+    return ""
+
+
+def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
+    if one.keys() != two.keys():
+        return f"scenarios ({', '.join(one)} and {', '.join(two)})"
+    changed = ", ".join(name for name in one if one[name] != two[name])
+    return f"the content of scenarios ({changed})"
+
+
+def provenance() -> dict[str, str]:
+    """Attributes that tell where numbers come from: versions, machine, time."""
+    machine = {
+        "platform": platform.platform(),
+        "processor": platform.machine(),
+        "cores": cores(),
+        "devices": [str(device) for device in jax.devices()],
+        "xla_flags": os.environ.get("XLA_FLAGS", ""),
+    }
+    return {
+        "versions": json.dumps(
+            {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+        ),
+        "machine": json.dumps(machine),
+        "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+    }
+
+
+def save_results(ds: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a dataset as NetCDF-4, atomically; its folder is created where missing.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_path(path) as scratch:
+            ds.to_netcdf(scratch, engine="h5netcdf")
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); free space there or choose "
+            "another folder"
+        ) from error
+
+
+def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
+    """Read a saved dataset into memory, exactly as it was saved.
+
+    Raises:
+        InputError: the file is missing, no NetCDF-4, damaged, or not a comparison of this layout.
+    """
+    path, remedy = Path(path), "give a file that `jaxsusp compare` wrote"
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; {remedy}, such as results/compare.nc")
+    try:
+        with h5py.File(path, "r") as file:
+            dict(file.attrs)  # where this fails, h5netcdf would also print a traceback
+        with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
+            ds = stored.load()
+    except Exception as error:  # a damaged file can raise anything
+        raise InputError(f"{path}: cannot be read as NetCDF-4 ({error}); {remedy}") from error
+    if wrong := _not_this_layout(ds):
+        raise InputError(f"{path}: is not a comparison ({wrong}); {remedy}")
+    values = {name: ds[name].values for name in VARIABLES}
+    return assemble({dim: ds[dim].values for dim in (*_CELL, *_NUMBERED)}, values).assign_attrs(
+        ds.attrs
+    )
+
+
+def _not_this_layout(ds: xr.Dataset) -> str:
+    """What is missing or wrong, "" if nothing is."""
+    for name, variable in VARIABLES.items():
+        if name not in ds or ds[name].dims != variable.dims:
+            return f"it has no {name} with dimensions {', '.join(variable.dims)}"
+    for dim in (*_CELL, *_NUMBERED):
+        if dim not in ds.coords:
+            return f"{dim} has no labels"
+    for name in JSON_ATTRIBUTES:
+        try:
+            json.loads(ds.attrs[name])
+        except (KeyError, TypeError, ValueError):
+            return f"attribute {name} is missing or broken"
+    return ""

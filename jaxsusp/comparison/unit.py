@@ -1,0 +1,221 @@
+"""The unit of a comparison: one algorithm, some runs, all scenarios of one static shape.
+
+A unit is one compiled program, and what is saved and resumed. The search runs in float32; every
+number that is reported is re-evaluated in float64.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from jaxsusp.comparison import dataset
+from jaxsusp.errors import InputError
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.batch import Outcome, run_batch
+from jaxsusp.optim.loop import Evaluations, count_evaluations
+from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
+from jaxsusp.problem.problem import Problem, Suspension, stack_problems
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.world import build_world, obstacle_counts
+from jaxsusp.vec3 import Vec3
+
+
+class Group(NamedTuple):
+    """Scenarios of one static shape and their stacked problem (float32 bounds)."""
+
+    scenarios: tuple[Scenario, ...]
+    problems: Problem
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the scenarios."""
+        return [scenario.name for scenario in self.scenarios]
+
+    @property
+    def first(self) -> Problem:
+        """The problem of the first scenario alone."""
+        return jax.tree.map(lambda leaf: np.asarray(leaf[0]), self.problems)
+
+
+def stack_scenarios(
+    scenarios: Sequence[Scenario],
+    waypoints: int,
+    samples: int,
+    search: str,
+    told: Callable[[Scenario], None] = lambda scenario: None,
+) -> list[Group]:
+    """Group scenarios by static shape, pad obstacles and regions to common counts, and stack.
+
+    Args:
+        scenarios: what to group.
+        waypoints: m of every problem.
+        samples: n of every problem.
+        search: rule that keeps waypoints inside; all but "box" need the free space, which takes
+            seconds where it is not in the cache.
+        told: called with a scenario before its problem is made.
+    """
+    groups: dict[tuple, list[Scenario]] = {}
+    for scenario in scenarios:
+        hook = scenario.payload.attachments == "hook"
+        shape = (len(scenario.robots), hook, scenario.drive)
+        groups.setdefault(shape, []).append(scenario)
+
+    def stack(members: list[Scenario]) -> Group:
+        counts = obstacle_counts(members)
+        with_stability = any(member.limits.stability > 0 for member in members)
+
+        def problem(member: Scenario) -> Problem:
+            told(member)
+            return Problem.from_scenario(
+                member,
+                waypoints,
+                samples,
+                search,
+                dtype=np.float32,
+                world=build_world(member, counts),
+                with_stability=with_stability,
+            )
+
+        problems = [problem(member) for member in members]
+        return Group(tuple(members), stack_problems(problems))
+
+    return [stack(members) for members in groups.values()]
+
+
+class Unit(NamedTuple):
+    """One algorithm on one group of scenarios."""
+
+    group: Group
+    optimizer: Optimizer
+    iterations: int
+    population: int
+    per_run: Evaluations
+
+    @classmethod
+    def plan(
+        cls, group: Group, optimizer: Optimizer, iterations: int, population: int, budget: str
+    ) -> "Unit":
+        """Decide the iterations: as asked, or as many as the common budget of evaluations allows.
+
+        Raises:
+            InputError: the budget does not allow one iteration.
+        """
+        per_run = count_evaluations(optimizer, group.first, population)
+        if budget == "evaluations":
+            allowed = population * (iterations + 1)
+            if per_run.total(1) > allowed:
+                raise InputError(
+                    f"iterations = {iterations}: {optimizer.name} needs {per_run.total(1)} "
+                    f"evaluations for one iteration and the budget is {allowed}; give more "
+                    'iterations or budget = "iterations"'
+                )
+            iterations = per_run.affordable(allowed)
+        return cls(group, optimizer, iterations, population, per_run)
+
+    def cost(self, runs: int) -> int:
+        """Fitness evaluations of so many runs on all scenarios of the group."""
+        return runs * len(self.group.scenarios) * self.per_run.total(self.iterations)
+
+    def missing(self, runs: int, finished: Sequence[xr.Dataset]) -> list[int]:
+        """Which of the first so many runs are in none of the finished datasets."""
+        there: set[int] = set()
+        for ds in finished:
+            labels = {"scenario": self.group.names, "algorithm": [self.optimizer.name]}
+            found = ds["fitness"].reindex(labels).notnull().all(tuple(labels))
+            there.update(ds["run"].values[found.values].tolist())
+        return [run for run in range(runs) if run not in there]
+
+    def compute(self, seed: int, runs: Sequence[int], report: Callable[[int], None]) -> xr.Dataset:
+        """Run it and describe the outcome.
+
+        Args:
+            seed: root of all randomness.
+            runs: indices of the runs.
+            report: called with the number of finished iterations.
+        """
+        outcome = run_batch(
+            self.group.problems,
+            self.optimizer,
+            seed,
+            runs,
+            self.iterations,
+            self.population,
+            report,
+        )
+        return self._describe(outcome, runs)
+
+    def _describe(self, outcome: Outcome, runs: Sequence[int]) -> xr.Dataset:
+        suspension = self.group.problems.fitness
+        assert isinstance(suspension, Suspension)
+        found = evaluate_exactly(suspension, outcome.x)
+        nothing = np.full(outcome.fitness.shape, np.nan)
+        per_run = {
+            "fitness": found.fitness,
+            "terms": np.stack([getattr(found.terms, name) for name in dataset.TERMS], axis=-1),
+            "collisions": found.terms.collisions,
+            "violations": found.terms.violations,
+            "x": outcome.x,
+            "history": outcome.history,
+            "stability_acted": getattr(outcome.info, "acted", nothing),
+            "stability_kept": getattr(outcome.info, "kept", nothing),
+            "position": found.position,
+            "curvature_radius": found.curvature_radius,
+            "evaluations": np.full(len(self.group.names), self.per_run.total(self.iterations)),
+        }
+        values = {name: np.expand_dims(value, 1) for name, value in per_run.items()}
+        values |= {
+            "obstacles": np.array([len(each.obstacles) for each in self.group.scenarios]),
+            "iterations": np.array([self.iterations]),
+            "seconds_run": np.array([outcome.seconds_run]),
+            "seconds_compile": np.array([outcome.seconds_compile]),
+        }
+        return dataset.assemble(
+            {
+                "scenario": self.group.names,
+                "algorithm": [self.optimizer.name],
+                "run": list(runs),
+                "iteration": range(1, self.iterations + 1),
+                "variable": range(outcome.x.shape[-1]),
+                "sample": range(suspension.samples),
+            },
+            values,
+        )
+
+
+class Exact(NamedTuple):
+    """Re-evaluation in float64; host arrays."""
+
+    fitness: np.ndarray  # (S, R), +inf where it is not finite
+    terms: FitnessTerms  # each (S, R)
+    position: np.ndarray  # (S, n, 3), best run
+    curvature_radius: np.ndarray  # (S,), best run
+
+
+def evaluate_exactly(suspension: Suspension, x: np.ndarray) -> Exact:
+    """Evaluate decision vectors (S, R, D) of stacked scenarios in float64."""
+    with jax.enable_x64(True):
+        terms = jax.tree.map(np.asarray, _terms(suspension, jnp.asarray(x, jnp.float64)))
+        fitness = np.where(np.isfinite(terms.total), terms.total, np.inf)
+        best = x[np.arange(len(x)), fitness.argmin(axis=1)]
+        position, bends = _best_trajectory(suspension, jnp.asarray(best, jnp.float64))
+        radius = 1 / np.maximum(np.asarray(bends), np.finfo(np.float64).tiny)
+        return Exact(fitness, terms, np.asarray(position), np.median(radius, axis=1))
+
+
+@jax.jit
+def _terms(suspension: Suspension, x) -> FitnessTerms:
+    return jax.vmap(lambda suspension, x: suspension.terms(x.T))(suspension, x)
+
+
+@jax.jit
+def _best_trajectory(suspension: Suspension, x):
+    def one(suspension: Suspension, x):
+        position = trajectory(suspension.world, x, suspension.samples)
+        step = Vec3(*(component[1:] - component[:-1] for component in position))
+        return position.to_array(), curvature(step)
+
+    return jax.vmap(one)(suspension, x)

@@ -1,0 +1,1 @@
+"""One file per algorithm: a factory that returns an `Optimizer`."""

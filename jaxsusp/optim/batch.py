@@ -1,0 +1,117 @@
+"""Runs × scenarios as one array program. Nothing else knows about devices.
+
+Runs are sharded over the devices, and within a device `vmap` adds scenarios and runs as axes of
+the same program. A run's numbers do not depend on how many others share it.
+"""
+
+import functools
+import itertools
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import Mesh, PartitionSpec
+
+from jaxsusp._types import Array
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.loop import Progress, advance, begin, run_key
+from jaxsusp.problem.problem import Problem
+
+CHUNKS = 20
+"""Parts in which a run is advanced, each reported to the progress callback."""
+
+
+class Outcome(NamedTuple):
+    """What a batch found, host arrays with leading axes (scenario, run)."""
+
+    x: np.ndarray  # (S, R, D)
+    fitness: np.ndarray  # (S, R)
+    history: np.ndarray  # (S, R, T), best fitness after each iteration
+    info: Any  # means over the iterations, each (S, R)
+    seconds_compile: float
+    seconds_run: float
+
+
+def run_batch(
+    problems: Problem,
+    optimizer: Optimizer,
+    seed: int,
+    runs: Sequence[int],
+    iterations: int,
+    population: int,
+    report: Callable[[int], None] = lambda done: None,
+) -> Outcome:
+    """Minimise stacked problems, several independent runs each, in one compiled program.
+
+    Args:
+        problems: problems of one static shape stacked along a leading axis of every leaf.
+        optimizer: what minimises them.
+        seed: root of all randomness.
+        runs: indices of the runs; run i is the same in whatever batch it is computed.
+        iterations: number T of iterations.
+        population: number N of candidates.
+        report: called with the number of finished iterations after every chunk.
+
+    Returns:
+        An `Outcome`; compilation (none if the program is at hand) and computation timed apart.
+    """
+    dtype = problems.lower.dtype
+    with jax.enable_x64(dtype == np.float64):
+        devices = jax.devices()[: len(runs)]
+        padded = [*runs, *[runs[-1]] * (-len(runs) % len(devices))]
+        keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
+        arguments = (jax.tree.map(jnp.asarray, problems), optimizer, keys)
+        start, go = _programs(tuple(devices), population, iterations)
+
+        clock = time.perf_counter()
+        progress = start(*arguments)
+        progress = jax.block_until_ready(go(*arguments, progress, 1, 1))  # compiles, runs nothing
+        seconds_compile = time.perf_counter() - clock
+
+        clock = time.perf_counter()
+        stops = np.linspace(1, iterations + 1, min(CHUNKS, iterations) + 1).round().astype(int)
+        for first, stop in itertools.pairwise(stops):
+            progress = jax.block_until_ready(go(*arguments, progress, int(first), int(stop)))
+            report(int(stop) - 1)
+        seconds_run = time.perf_counter() - clock
+        return _collect(progress, len(runs), iterations, seconds_compile, seconds_run)
+
+
+@functools.lru_cache(maxsize=64)
+def _programs(devices: tuple, population: int, iterations: int):
+    """Compiled-once entry points (start, go); JAX keys them by the shapes of their arguments."""
+    mesh = Mesh(np.asarray(devices), ("runs",))
+    per_run, everywhere = PartitionSpec("runs"), PartitionSpec()
+    stacked = PartitionSpec(None, "runs")
+
+    def start(problems: Problem, optimizer: Optimizer, keys: Array) -> Progress:
+        def one(problem, key):
+            return begin(optimizer, problem, key, population, iterations)
+
+        return jax.vmap(jax.vmap(one, in_axes=(None, 0)), in_axes=(0, None))(problems, keys)
+
+    def go(problems, optimizer, keys, progress, first, stop) -> Progress:
+        def one(problem, key, progress):
+            return advance(optimizer, problem, key, progress, first, stop)
+
+        over_runs = jax.vmap(one, in_axes=(None, 0, 0))
+        return jax.vmap(over_runs, in_axes=(0, None, 0))(problems, keys, progress)
+
+    shard = functools.partial(jax.shard_map, mesh=mesh, out_specs=stacked, check_vma=False)
+    arguments = (everywhere, everywhere, per_run)
+    return (
+        jax.jit(shard(start, in_specs=arguments)),
+        jax.jit(shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))),
+    )
+
+
+def _collect(progress: Progress, runs: int, iterations: int, compile_time, run_time) -> Outcome:
+    def on_host(leaf: Array) -> np.ndarray:
+        return np.asarray(leaf)[:, :runs]  # without the runs that only fill the devices
+
+    best, history, info = jax.tree.map(on_host, progress._replace(state=progress.state.best))
+    means = jax.tree.map(lambda total: total / iterations, info)
+    return Outcome(best.x, best.fitness, history, means, compile_time, run_time)

@@ -1,0 +1,8 @@
+"""What a person chooses from; light to import, so that a mistyped choice is answered at once."""
+
+ENDS = ("given", "placed")
+"""Whether the cables' ends are the scenario's (moved by the plain rule of its drive mode where they
+move), or chosen by the planner."""
+
+COORDINATIONS = ("alternation", "joint")
+"""How ends that stay are placed with the load."""

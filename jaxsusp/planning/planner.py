@@ -1,0 +1,177 @@
+"""`js.plan`: the loop of Fig. 2, from a task to a verified plan (spec §10).
+
+The steps are in `steps`, the third of them in `strategies`. Where nothing stands that they give,
+they are taken again: with further runs, then other ends, then more waypoints.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+from jaxsusp.errors import require, require_count, require_counts, require_known, require_seed
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.registry import algorithm as algorithm_of
+from jaxsusp.planning.choices import COORDINATIONS, ENDS
+from jaxsusp.planning.feasibility import require_possible
+from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.steps import Settings
+from jaxsusp.planning.strategies import Attempt, coordinate
+from jaxsusp.planning.worth import good, rank, with_settings
+from jaxsusp.problem.choices import SEARCHES
+from jaxsusp.scenario.scenario import Scenario, load_scenario
+from jaxsusp.scenario.scope import require_rule
+
+MORE_WAYPOINTS = 2
+
+MOST_LED = 4
+"""Robots whose ends least variance leads: joint candidates grow with their number as a power."""
+
+
+class Event(NamedTuple):
+    """What a progress callback is told."""
+
+    phase: str  # "mapping the free space", "searching", "placing ends", "checking"
+    attempt: int  # from 0
+    attempts: int  # at most
+
+
+def plan(
+    scenario: Scenario | str | os.PathLike[str],
+    algorithm: str | Optimizer = "sdbo",
+    ends: str = "given",
+    runs: int = 4,
+    iterations: int = 300,
+    retries: int = 3,
+    seed: int = 0,
+    *,
+    population: int = 30,
+    waypoints: int = 5,
+    samples: int = 40,
+    search: str = SEARCHES[0],
+    coordination: str = "alternation",
+    progress: Callable[[Event], None] = lambda event: None,
+) -> Plan:
+    """Plan a task, and verify it on the real curve.
+
+    The winners of the search are refined locally, laid on a smooth path, driven from rest to rest
+    and checked against all of Eq. 22 and in continuous time. Where none of them stands, the
+    planner tries again: with further runs, then other ends (where they are placed), then more
+    waypoints, each time with twice as many runs. A plan that breaks a limit is never returned as
+    feasible. A feasible plan that a swinging load does not follow in simulation is only returned
+    where nothing better was found (`settings["tracked"]` tells).
+
+    Args:
+        scenario: the task, or its name or file.
+        algorithm: what searches, a name or an optimiser.
+        ends: "given" keeps the scenario's ends, or moves them by the plain rule of its drive mode;
+            "placed" optimises where they stay, or chooses their way by least variance (Eq. 20)
+            around the plain rule so that the cables keep clear of what the load passes.
+        runs: independent runs per batch.
+        iterations: iterations per run.
+        retries: further attempts where the first gives no feasible plan.
+        seed: root of all randomness.
+        population: candidates per iteration.
+        waypoints: free waypoints m.
+        samples: samples n of trajectory and plan.
+        search: rule that keeps waypoints inside: "free-space", "ellipsoid" or "box".
+        coordination: of placed ends with the load: "alternation" or "joint" (D = 3m + 2K + 1).
+        progress: called when something begins, see `Event`.
+
+    Returns:
+        A feasible `Plan`, or the best attempt marked infeasible with the reasons.
+
+    Raises:
+        ImpossibleTaskError: no tensions within limits can hold the load; told before any search.
+        InputError: bad settings, or a system that planning does not cover.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load_scenario(scenario)
+    require_rule(scenario)
+    settings = Settings(
+        algorithm_of(algorithm), ends, coordination, runs, iterations, population, seed, samples,
+        search,
+    )  # fmt: skip
+    _require_sense(scenario, settings)
+    require_count("waypoints", waypoints)
+    require_count("retries", retries, least=0)
+    require_possible(scenario, ends)
+    tally, made = _Tally(), 0
+    for attempt in _attempts(retries, waypoints, ends):
+
+        def told(phase: str, attempt=attempt) -> None:
+            progress(Event(phase, attempt.number, retries + 1))
+
+        made += 1
+        for batch in range(attempt.batches):
+            first = tally.take(runs)
+            tally.note(coordinate(scenario, settings._replace(told=told), attempt, first, batch))
+            if tally.done:
+                break
+        if tally.done:
+            break
+    assert tally.best is not None
+    asked = settings._asdict()
+    del asked["told"]
+    asked["algorithm"] = asked.pop("optimizer").name
+    return with_settings(tally.best, **asked, retries=retries, attempts=made, runs_made=tally.runs)
+
+
+def _require_sense(scenario: Scenario, settings: Settings) -> None:
+    """Refuse settings that cannot be, or that do not go with the scenario."""
+    require_counts(
+        runs=settings.runs, iterations=settings.iterations, population=settings.population
+    )
+    require_count("samples", settings.samples, least=3)
+    require_seed(settings.seed)
+    require_known("ends", settings.ends, ENDS)
+    require_known("coordination", settings.coordination, COORDINATIONS)
+    require_known("search", settings.search, SEARCHES)
+    given, moves = settings.ends == "given", moving(scenario.drive)
+    require(
+        settings.coordination == "alternation" or not (given or moves),
+        'coordination = "joint" places ends that stay; give ends = "placed" and drive = "cable" '
+        "with it",
+    )
+    require(
+        given or not moves or scenario.payload.attachments == "hook",
+        'ends = "placed" leads moving ends of a hook alone: with separate payload.attachments '
+        'they hold the load level; give ends = "given"',
+    )
+    require(
+        given or not moves or len(scenario.robots) <= MOST_LED,
+        f'ends = "placed" leads the moving ends of at most {MOST_LED} robots, got '
+        f'{len(scenario.robots)}; give ends = "given"',
+    )
+
+
+def _attempts(retries: int, waypoints: int, ends: str) -> Iterator[Attempt]:
+    """The task as asked; then other seeds, other ends, more waypoints, in turn."""
+    for number in range(retries + 1):
+        more = number // 3 * MORE_WAYPOINTS if number else 0
+        fresh = ends == "placed" and number % 3 == 2
+        yield Attempt(number, 2**number, waypoints + more, fresh)
+
+
+class _Tally:
+    """The best plan so far, and how many runs have been used: no run is made twice."""
+
+    def __init__(self):
+        self.best: Plan | None = None
+        self.runs = 0
+
+    def take(self, runs: int) -> int:
+        """First of so many further run indices."""
+        first, self.runs = self.runs, self.runs + runs
+        return first
+
+    def note(self, tries: Iterator[Plan]) -> None:
+        """Keep the best: feasible before infeasible, then by fitness; the first of equals."""
+        for found in tries:
+            if self.best is None or rank(found) < rank(self.best):
+                self.best = found
+
+    @property
+    def done(self) -> bool:
+        """Whether there is nothing left to wish for."""
+        return self.best is not None and good(self.best)

@@ -1,0 +1,173 @@
+"""The steps of Fig. 2, each a function; `strategies` is the third of them.
+
+1. `map_space`: the system and its obstacles give the collision-free space (Sect. 4.1).
+2. `plan_load`: the objective (Eq. 21, 22), and the load's trajectory by a population search.
+3. `strategies.coordinate`: load and ends in the order in which they go together (Sect. 3.3).
+4. `plan_ends`: where the cables' ends go along the load's trajectory.
+5. `verify`: what was found, on the real curve, in continuous time and in simulation.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from jaxsusp._types import Float
+from jaxsusp.coordination.ends import place_ends
+from jaxsusp.coordination.leastvariance import moving_ends
+from jaxsusp.errors import InputError
+from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.batch import run_batch
+from jaxsusp.optim.refine import refine
+from jaxsusp.planning.margins import MARGIN, with_margins
+from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.through import plan_through
+from jaxsusp.planning.worth import fitness_of, good, tracks, with_settings
+from jaxsusp.problem.gentle import gently
+from jaxsusp.problem.problem import Problem, Suspension, stack_problems
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.world import build_world, rounded_counts
+
+Candidate = tuple[np.ndarray, np.ndarray | None]
+"""Waypoints (dim,) or (waypoints, xyz) and the ends that go with them; None: the plain rule's."""
+
+
+class Settings(NamedTuple):
+    """What a person asked for."""
+
+    optimizer: Optimizer
+    ends: str  # "given" or "placed"
+    coordination: str  # "alternation" or "joint"
+    runs: int
+    iterations: int
+    population: int
+    seed: int
+    samples: int
+    search: str
+    told: Callable[[str], None] = lambda phase: None
+
+
+def map_space(searched: Scenario, settings: Settings) -> FreeSpace | None:
+    """Step 1: the free space in which the load is searched; None where it is the whole workspace.
+
+    A free space in which start and goal are not connected proves nothing, and every plan is
+    verified anyway: the search then takes the whole workspace.
+    """
+    if settings.search == "box":
+        return None
+    settings.told("mapping the free space")
+    with suppress(InputError):  # with its margin, a warning area can reach the end of a cable
+        space = free_space(searched)
+        return space if space.connected else None
+    return None
+
+
+def plan_load(
+    searched: Scenario,
+    space: FreeSpace | None,
+    settings: Settings,
+    waypoints: int,
+    first: int,
+    known: Float[np.ndarray, "waypoints xyz"] | None = None,
+    with_cables: bool = True,
+) -> Float[np.ndarray, "candidates dim"]:
+    """Step 2: waypoints that a population search found, refined, best first.
+
+    Args:
+        searched: the task, with the margins that the search keeps.
+        space: where waypoints are kept, see `map_space`.
+        settings: what searches, and for how long.
+        waypoints: number m of them.
+        first: index of the first run.
+        known: waypoints that join the candidates, if they are as many.
+        with_cables: whether contacts of cables and arms count, or the load's alone.
+    """
+    search = settings.search if space is not None else "box"
+    # Obstacles and regions are padded, so that other scenarios and other ends share the program.
+    world = build_world(searched, rounded_counts(searched))
+    problem = Problem.from_scenario(
+        searched, waypoints, settings.samples, search, np.float32, world, space=space
+    )
+    if problem.regions is not None:
+        count, rows, _ = problem.regions.table.shape
+        problem = problem.with_padded_regions(32 * -(-count // 32), 16 * -(-rows // 16))
+    if not with_cables:
+        suspension = problem.fitness
+        assert isinstance(suspension, Suspension)
+        problem = problem.with_fitness(replace(suspension, with_cables=False))
+    extra = None
+    if known is not None and len(known) == waypoints:
+        extra = known.reshape(1, -1)
+    return minimise(problem, settings, first, extra)
+
+
+def minimise(
+    problem: Problem,
+    settings: Settings,
+    first: int,
+    extra: Float[np.ndarray, "1 dim"] | None = None,
+) -> Float[np.ndarray, "candidates dim"]:
+    """Search and refine in float32; the candidates in order of fitness."""
+    settings.told("searching")
+    outcome = run_batch(
+        stack_problems([problem]), settings.optimizer, settings.seed,
+        range(first, first + settings.runs), settings.iterations, settings.population,
+    )  # fmt: skip
+    found = outcome.x[0]
+    if extra is not None:  # in place of the worst, so that no other program is needed
+        found = found.copy()
+        found[outcome.fitness[0].argmax()] = extra[0]
+    problem = gently(problem)
+    found = refine(problem, found, settings.seed)
+    value = np.asarray(_evaluate(problem, found))
+    return found[np.argsort(value, kind="stable")]
+
+
+@jax.jit
+def _evaluate(problem: Problem, x):
+    return problem.evaluate(x)
+
+
+class Ends(NamedTuple):
+    """Where the cables' ends go."""
+
+    places: Float[np.ndarray, "*samples cables xyz"]  # m; with samples where they move
+    fine: bool  # whether they keep what they have to
+
+
+def plan_ends(
+    scenario: Scenario, settings: Settings, path: Float[np.ndarray, "samples xyz"], first: int
+) -> Ends:
+    """Step 4: ends for a load's path, of least variance where they move, else placed once."""
+    if moving(scenario.drive):
+        settings.told("leading the ends")
+        led = moving_ends(scenario, path, margin=MARGIN)
+        return Ends(led.ends, led.feasible)
+    settings.told("placing ends")
+    placement = place_ends(
+        with_margins(scenario, moving_ends=True), path, settings.optimizer,
+        (settings.seed + first) % 2**32, settings.runs,
+        max(1, settings.iterations // 3), settings.population,
+    )  # fmt: skip
+    return Ends(placement.ends, placement.faults == 0)
+
+
+def verify(
+    scenario: Scenario, settings: Settings, candidates: Iterable[Candidate]
+) -> Iterator[Plan]:
+    """Step 5: candidates on real curves, with all checks, until one leaves nothing to wish for."""
+    for x, ends in candidates:
+        settings.told("checking")
+        waypoints = np.asarray(x, np.float64).reshape(-1, 3)
+        found = plan_through(scenario, waypoints, ends, settings.samples)
+        tracked = found.feasible and tracks(found)
+        found = with_settings(found, fitness=fitness_of(scenario, found), tracked=tracked)
+        yield found
+        if good(found):
+            return

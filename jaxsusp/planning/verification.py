@@ -1,0 +1,152 @@
+"""A finished plan checked against everything that is known about it.
+
+The plan is worked out anew from its waypoints and ends, on the real curve; what it says is compared
+with that, and looked at itself where it differs; and it is played in simulation.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp.mechanics import arm
+from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.through import plan_through
+from jaxsusp.verify.company import KINDS, Company
+from jaxsusp.verify.scene import Scene
+from jaxsusp.verify.simulation import Simulation, simulate
+
+TOLERANCES = {
+    "path": (1e-6, "m"),
+    "times": (1e-6, "s"),
+    "position": (1e-6, "m"),
+    "velocity": (1e-6, "m/s"),
+    "acceleration": (1e-6, "m/s²"),
+    "jerk": (1e-5, "m/s³"),
+    "lengths": (1e-6, "m"),
+    "tensions": (1e-4, "N"),
+    "angles": (1e-6, "rad"),
+    "ends": (1e-6, "m"),
+    "joints": (1e-6, "rad"),
+}
+"""How much each array may differ from what follows from waypoints and ends."""
+
+
+CABLES_TO_ARMS = KINDS.index("cables to arms")
+"""Pairs up to this kind are looked at where stored positions differ."""
+
+
+class Verification(NamedTuple):
+    """The outcome."""
+
+    ok: bool
+    reasons: tuple[str, ...]
+    plan: Plan  # worked out anew: its report and certificate are those of the verification
+    simulation: Simulation | None
+
+
+def verify_plan(plan: Plan, simulation: bool | Simulation = True) -> Verification:
+    """Verify a plan: its limits and clearances, its arrays, and its simulation.
+
+    Args:
+        plan: any plan, feasible or not, changed or not.
+        simulation: whether to simulate, or a simulation that was made already.
+
+    Returns:
+        A `Verification`; `reasons` holds one sentence per fault, those of the motion first.
+    """
+    ends = plan.end_path if plan.rigging.moves else plan.end_path[0]
+    anew = plan_through(
+        plan.scenario, plan.waypoints, ends, len(plan.path), elbow_up=plan.rigging.elbow_up
+    )
+    reasons = list(anew.reasons)
+    for name in TOLERANCES:
+        reasons += _differences(plan, anew, name)
+    seen = simulation if isinstance(simulation, Simulation) else None
+    if simulation is True and np.isfinite(anew.tensions).all():
+        seen = simulate(anew.rigging)
+    if seen is not None:
+        reasons += seen.problems(anew.scenario.limits)
+    return Verification(not reasons, tuple(reasons), anew, seen)
+
+
+def _differences(plan: Plan, anew: Plan, name: str) -> list[str]:
+    """Where an array of a plan is not what follows from its waypoints, and what comes of it."""
+    tolerance, unit = TOLERANCES[name]
+    stored, known = getattr(plan, name), getattr(anew, name)
+    if stored.shape != known.shape:
+        return [f"{name} has shape {stored.shape} instead of {known.shape}"]
+    off = np.abs(stored - known)
+    off = np.where(np.isnan(stored) & np.isnan(known), 0, np.where(np.isnan(off), np.inf, off))
+    if not (off > tolerance).any():
+        return []
+    row = int(off.reshape(len(off), -1).max(axis=1).argmax())
+    worst = off[row].max()
+    when = f" at {plan.times[row]:.2f} s" if len(stored) == len(plan.times) else ""
+    found = [
+        f"{name} differs from what follows from waypoints and ends by {worst:.4g} {unit}{when} "
+        f"(row {row})"
+    ]
+    if name == "tensions":
+        found += _broken(plan, stored, "tension", plan.scenario.limits.tension, "N")
+    if name == "lengths":
+        found += _broken(plan, stored, "length", plan.scenario.limits.cable_length, "m")
+    if name in ("position", "path"):
+        found += _contacts(anew, stored, anew.ends if name == "position" else anew.end_path)
+    if name == "joints":
+        found += _misses(plan, anew)
+    return found
+
+
+def _broken(plan: Plan, values: np.ndarray, what: str, limits, unit: str) -> list[str]:
+    """Stored values outside their limits."""
+    low, high = limits
+    excess = np.maximum(low - values, values - high)
+    excess = np.where(np.isnan(excess), np.inf, excess)
+    row, k = np.unravel_index(int(excess.argmax()), values.shape)
+    if excess[row, k] <= 0:
+        return []
+    return [
+        f"stored {what} of cable {k + 1} is {values[row, k]:.5g} {unit} at "
+        f"{plan.times[row]:.2f} s, allowed is {low:g} to {high:g} {unit}"
+    ]
+
+
+def _contacts(anew: Plan, positions: np.ndarray, ends: np.ndarray) -> list[str]:
+    """What load and cables are too close to at stored positions, ends where they belong."""
+    company = Company(anew.rigging)
+    scene = Scene(company.bodies)
+    shape = len(positions), anew.rigging.cables, 3
+    points = company.locate(positions, np.broadcast_to(ends, shape))
+    found: dict[str, str] = {}
+    for row, places in enumerate(points):
+        for index, body in enumerate(company.bodies):
+            scene.place(index, places[body.first], places[body.second])
+        for pair in company.pairs:
+            if pair.kind > CABLES_TO_ARMS:
+                continue
+            distance, _ = scene.distance(pair.other, pair.one)
+            if distance < pair.required - 1e-6:
+                one, other = company.bodies[pair.one].name, company.bodies[pair.other].name
+                text = "touches" if distance <= 0 else f"is {distance:.4g} m from"
+                found.setdefault(f"{one} {other}", f"stored row {row}: {one} {text} {other}")
+    return list(found.values())
+
+
+def _misses(plan: Plan, anew: Plan) -> list[str]:
+    """Arms whose stored joint angles do not lead to their ends."""
+    ends, rigging = np.broadcast_to(anew.ends, anew.joints.shape), anew.rigging
+    found = []
+    with jax.enable_x64(True):
+        bases, links = jnp.asarray(rigging.bases_at(ends)), jnp.asarray(rigging.links)[None]
+        held = np.asarray(arm.forward(bases, links, jnp.asarray(plan.joints)))
+    off = np.linalg.norm(held - ends, axis=-1)
+    for k in range(rigging.cables):
+        row = int(np.where(np.isnan(off[:, k]), np.inf, off[:, k]).argmax())
+        if not off[row, k] <= 1e-6:
+            found.append(
+                f"joint angles of robot {k + 1} hold its end {off[row, k]:.4g} m away from where "
+                f"it has to be at {plan.times[row]:.2f} s"
+            )
+    return found

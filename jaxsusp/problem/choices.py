@@ -1,0 +1,5 @@
+"""What a person chooses from; light to import, so that a mistyped choice is answered at once."""
+
+SEARCHES = ("free-space", "ellipsoid", "box")
+"""What waypoints are kept in: the polytopes of the free space, the ellipsoids in them (the paper's
+rule), or the workspace; see `problem.search`."""

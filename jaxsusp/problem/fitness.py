@@ -1,0 +1,160 @@
+"""Fitness of a load trajectory: the six terms of Eq. 21 (spec §9).
+
+Written for one trajectory with time on axis 0; any trailing axes are candidates of a batch. The
+dtype of the decision vector decides the arithmetic.
+"""
+
+import functools
+import operator
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Float, Int
+from jaxsusp.geometry.collisions import count_between, count_collisions
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.problem.constraints import count_turned, count_violations
+from jaxsusp.scenario.world import World
+from jaxsusp.suspension.arms import count_arm_contacts
+from jaxsusp.suspension.level import bases_at, ends_at, stability_of, tensions_at, turn_at
+from jaxsusp.suspension.reach import count_misplaced
+from jaxsusp.trajectory.makima import makima
+from jaxsusp.vec3 import Vec3, norm
+
+
+class FitnessTerms(NamedTuple):
+    """All terms of Eq. 21, unweighted but for the penalty, and what they sum to."""
+
+    length: Float[Array, "*batch"]  # f1, m
+    height: Float[Array, "*batch"]  # f2, m, summed over samples
+    cable: Float[Array, "*batch"]  # f3, m, sum over cables of the greatest length
+    tension_rate: Float[Array, "*batch"]  # f4, N m/s², summed over cables and intervals
+    curvature: Float[Array, "*batch"]  # f5, 1/m, summed over interior samples
+    penalty: Float[Array, "*batch"]  # f6 = κ (n_p + n_g)
+    collisions: Int[Array, "*batch"]  # n_p
+    violations: Int[Array, "*batch"]  # n_g
+    total: Float[Array, "*batch"]  # Σ w_i f_i
+
+
+def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec3:
+    """Sampled load positions of a decision vector: Makima through start, waypoints and goal (§7).
+
+    Args:
+        world: gives start and goal.
+        x: m waypoints (x1, y1, z1, x2, …) on axis 0, m; trailing axes are batch.
+        samples: number of samples n, uniform in the parameter, both ends included.
+
+    Returns:
+        Positions (m), samples on axis 0.
+    """
+    waypoints = x.reshape(-1, 3, *x.shape[1:])
+
+    def coordinate(start, inner, goal):
+        shape = (1, *inner.shape[1:])
+        ends = [jnp.broadcast_to(end, shape).astype(x.dtype) for end in (start, goal)]
+        return makima(jnp.concatenate([ends[0], inner, ends[1]]), samples)
+
+    return Vec3(*(coordinate(world.start[i], waypoints[:, i], world.goal[i]) for i in range(3)))
+
+
+def waypoint_stability(
+    world: World, x: Float[Array, "dim *batch"], drive: str = "cable"
+) -> Float[Array, "waypoints *batch"]:
+    """S_c of every waypoint of a decision vector (Eq. 18)."""
+    waypoints = x.reshape(-1, 3, *x.shape[1:])
+    position = Vec3(*(waypoints[:, i] for i in range(3)))
+    ends = ends_at(world, position, drive)
+    return stability_of(world, position, tensions_at(world, position, ends)[1], ends)
+
+
+def fitness_terms(
+    world: World,
+    x: Float[Array, "dim *batch"],
+    samples: int,
+    with_stability: bool = False,
+    drive: str = "cable",
+    with_cables: bool = True,
+    ends: Vec3 | None = None,
+) -> FitnessTerms:
+    """All terms of Eq. 21 for the trajectory through the waypoints of x.
+
+    Args:
+        world: the scenario, in the dtype of x.
+        x: decision vector, m; trailing axes are batch.
+        samples: number of trajectory samples n.
+        with_stability: whether S_cmin is checked among the violations.
+        drive: how the ends follow the load, see `mechanics.drives`.
+        with_cables: whether contacts of cables and arms and the places of moving ends count, or
+            the load's contacts alone.
+        ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
+            contacts are then counted by `count_between`.
+    """
+    position = trajectory(world, x, samples)
+    count = count_collisions if ends is None else count_between
+    ends = ends_at(world, position, drive) if ends is None else ends
+    lengths, tensions = tensions_at(world, position, ends)
+    avoiding = ends if with_cables else ends.each(lambda c: c[:0])
+    bodies = world.bodies._replace(ends=avoiding)
+    collisions = count(position, bodies, world.obstacles)
+    violations = count_violations(world, position, lengths, tensions, with_stability, ends)
+    if moving(drive):
+        if with_cables:
+            bases = bases_at(world, ends, drive)
+            violations += count_misplaced(world, ends, drive)
+            violations += count_arm_contacts(world, position, ends, bases)
+    elif world.bodies.attachments.x.shape[0] > 1:
+        violations += count_turned(world, turn_at(world, position, tensions))
+    step = position.each(_difference)
+    interval = world.duration / (samples - 1)
+    terms = (
+        norm(step).sum(axis=0),
+        jnp.abs(position.z - world.start.z).sum(axis=0),
+        _add([length.max(axis=0) for length in lengths]),
+        tension_length_rate(lengths, tensions, interval),
+        _total_curvature(step),
+        world.kappa * (collisions + violations).astype(x.dtype),
+    )
+    total = _add([world.weights[i] * term for i, term in enumerate(terms)])
+    return FitnessTerms(*terms, collisions, violations, total)
+
+
+def tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -> Array:
+    """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt| (Eq. 21 as spec §9 reads it), samples on axis 0."""
+    rates = [
+        jnp.abs(_difference(tension) * _difference(length))
+        for tension, length in zip(tensions, lengths, strict=True)
+    ]
+    return _add(rates).sum(axis=0) / interval**2
+
+
+def curvature(step: Vec3) -> Float[Array, "interior *batch"]:
+    """Discrete curvature Δχ_d / L_{d+1} (1/m) at the interior samples of a polyline.
+
+    Δχ = 2 atan2(‖t' - t‖, ‖t' + t‖) of consecutive unit tangents: accurate for the smallest
+    angles, where an arccos of a float32 dot product is not, and smooth at a reversal. A segment
+    of zero length contributes 0, with a finite gradient.
+
+    Args:
+        step: the polyline's segments p_{d+1} - p_d (m), along axis 0.
+    """
+    length = norm(step)
+    moving = length > 0
+    per_length = jnp.where(moving, 1 / jnp.where(moving, length, 1), 0)
+    tangent = step * per_length
+    before, after = tangent.each(lambda c: c[:-1]), tangent.each(lambda c: c[1:])
+    angle = 2 * jnp.arctan2(norm(after - before), norm(after + before))
+    return jnp.where(moving[:-1] & moving[1:], angle * per_length[1:], 0)
+
+
+def _total_curvature(step: Vec3) -> Array:
+    """f5 = Σ_d Δχ_d / L_{d+1} over the interior samples."""
+    return curvature(step).sum(axis=0)
+
+
+def _add(arrays: Sequence[Array]) -> Array:
+    return functools.reduce(operator.add, arrays)
+
+
+def _difference(values: Array) -> Array:
+    return values[1:] - values[:-1]

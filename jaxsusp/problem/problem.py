@@ -1,0 +1,300 @@
+"""What an optimiser sees: a fitness to minimise, bounds, and a rule that keeps candidates inside.
+
+A `Problem` is a pytree: scenarios of one static shape share a compiled program, and stacked
+problems go through `vmap`. Any JAX function can take the place of the suspension's fitness.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.custom_batching import custom_vmap
+from jax.tree_util import Partial
+
+from jaxsusp._types import Array, Float
+from jaxsusp.errors import InputError, require_count, require_known
+from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.problem.choices import SEARCHES
+from jaxsusp.problem.fitness import FitnessTerms, fitness_terms, waypoint_stability
+from jaxsusp.problem.search import Regions, keep_inside, pad_regions, regions_of
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scope import require_rule
+from jaxsusp.scenario.world import World, build_world, cast_world
+from jaxsusp.vec3 import Vec3
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)  # compared and hashed by identity, so that jit accepts it
+class Suspension:
+    """Fitness of the suspended load (Eq. 21) as a callable pytree: world in, structure static."""
+
+    world: World
+    samples: int = field(metadata={"static": True})
+    with_stability: bool = field(metadata={"static": True})
+    drive: str = field(default="cable", metadata={"static": True})
+    with_cables: bool = field(default=True, metadata={"static": True})
+
+    def terms(self, x: Float[Array, "dim *batch"]) -> FitnessTerms:
+        """All terms of Eq. 21 in the dtype of x; trailing axes of x are batch."""
+        world = cast_world(self.world, x.dtype)
+        structure = self.samples, self.with_stability, self.drive, self.with_cables
+        return fitness_terms(world, x, *structure)
+
+    def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
+        """Total fitness of one decision vector."""
+        return self.terms(x).total
+
+    def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
+        """Total fitness of many decision vectors, candidates in the last axis of all arithmetic."""
+        return _population_fitness(self, x)
+
+    def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"]:
+        """S_c of every waypoint of every candidate (Eq. 18)."""
+        return waypoint_stability(cast_world(self.world, x.dtype), x.T, self.drive).T
+
+
+@jax.jit  # inside the outer program: an optimiser evaluates several times and traces this once
+def _flat_fitness(suspension: Suspension, x: Array) -> Array:
+    return suspension.terms(x.T).total
+
+
+@jax.jit
+def _flat_repair(regions: Regions, x: Array) -> Array:
+    waypoints = x.T.reshape(-1, 3, len(x))
+    inside = keep_inside(regions, Vec3(*(waypoints[:, i] for i in range(3))))
+    return jnp.stack(inside, axis=1).reshape(-1, len(x)).T
+
+
+def _one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Array], Array]:
+    """Let a function of (coefficients, candidates (N, D)) see one flat batch whatever `vmap` adds.
+
+    Runs join the population in the last axis, where XLA vectorises. Scenarios, whose coefficients
+    differ, are taken in turn: one body of code whatever their number keeps a run bit-equal
+    whether its scenario is alone or stacked.
+    """
+
+    @custom_vmap
+    def batched(coefficients, x: Array) -> Array:
+        return function(coefficients, x)
+
+    @batched.def_vmap
+    def _rule(axis_size, in_batched, coefficients, x):
+        if not any(jax.tree.leaves(in_batched[0])):
+            flat = batched(coefficients, x.reshape(-1, x.shape[-1]))
+            return flat.reshape(x.shape[:-1] + flat.shape[1:]), True
+        coefficients, x = jax.tree.map(
+            lambda leaf, batched: leaf if batched else jnp.stack([leaf] * axis_size),
+            (coefficients, x),
+            tuple(in_batched),
+        )
+        return jax.lax.map(lambda each: function(*each), (coefficients, x)), True
+
+    return batched
+
+
+_population_fitness = _one_flat_batch(_flat_fitness)
+_population_repair = _one_flat_batch(_flat_repair)
+
+
+class Problem:
+    """Minimise `fitness` over `lower` <= x <= `upper`.
+
+    Args:
+        fitness: any JAX function from (D,) to a scalar; a callable pytree passes its leaves as
+            arguments of the compiled program. One that offers `population(x)` is evaluated
+            through it, (N, D) to (N,).
+        lower: lower bounds, (D,).
+        upper: upper bounds, (D,), above `lower`. The dtype of the bounds is that of the search.
+        reference: the point that `frame="task"` moves relative to; default the middle of the
+            bounds.
+        regions: convex regions in whose union every waypoint (x, y, z) of a candidate is kept;
+            default only the bounds.
+
+    Raises:
+        InputError: bounds of different shapes, not finite, or lower >= upper anywhere.
+    """
+
+    fitness: Callable[[Array], Array]
+    lower: Array
+    upper: Array
+    reference: Array
+    regions: Regions | None
+
+    def __init__(self, fitness: Callable, lower, upper, reference=None, regions=None):
+        lower, upper = _bounds(lower, upper)
+        middle = lower + (upper - lower) / 2
+        self.fitness = fitness if _is_pytree(fitness) else Partial(fitness)
+        self.lower, self.upper = lower, upper
+        self.reference = middle if reference is None else np.asarray(reference, lower.dtype)
+        self.regions = jax.tree.map(lambda leaf: np.asarray(leaf, lower.dtype), regions)
+
+    @classmethod
+    def from_scenario(
+        cls,
+        scenario: Scenario,
+        waypoints: int = 5,
+        samples: int = 40,
+        search: str = SEARCHES[0],
+        dtype: Any = None,
+        world: World | None = None,
+        with_stability: bool | None = None,
+        space: FreeSpace | None = None,
+    ) -> "Problem":
+        """Planning the load's trajectory of a scenario: x holds the m waypoints, D = 3m.
+
+        Args:
+            scenario: the task.
+            waypoints: number m of free waypoints between start and goal.
+            samples: number n of trajectory samples, both ends included.
+            search: what waypoints are kept in: "free-space" (the polytopes of the scenario's free
+                space), "ellipsoid" (their ellipsoids, the paper's rule) or "box" (the workspace).
+            dtype: of the bounds and thereby of a search; default JAX's default float.
+            world: the scenario's arrays if they are at hand (for example padded to a common
+                number of obstacles); default built from the scenario.
+            with_stability: whether S_cmin is checked; default: if the scenario sets it above 0.
+            space: the scenario's free space if it is at hand; default `jaxsusp.free_space` of it.
+
+        Raises:
+            InputError: too few waypoints or samples, an unknown search rule, a suspension that
+                planning cannot handle (see `scenario.scope`), or no collision-free route
+                where the search is confined to the free space.
+        """
+        require_count("waypoints", waypoints)
+        require_count("samples", samples, least=3)  # fewer define no curvature
+        require_known("search", search, SEARCHES)
+        require_rule(scenario)
+        dtype = dtype or jnp.zeros(()).dtype
+        world = build_world(scenario) if world is None else world
+        if with_stability is None:
+            with_stability = scenario.limits.stability > 0
+        line = np.linspace(scenario.task.start, scenario.task.goal, waypoints + 2)[1:-1]
+        return cls(
+            Suspension(world, samples, with_stability, scenario.drive),
+            np.tile(np.asarray(scenario.workspace.lower, dtype), waypoints),
+            np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
+            line.reshape(-1),
+            None if search == "box" else _confine(scenario, search, space),
+        )
+
+    @property
+    def low(self) -> Float[Array, "1 dim"]:
+        """Lower bounds as a row, beside a population."""
+        return self.lower[None]
+
+    @property
+    def high(self) -> Float[Array, "1 dim"]:
+        """Upper bounds as a row, beside a population."""
+        return self.upper[None]
+
+    @property
+    def dim(self) -> int:
+        """Number D of decision variables."""
+        return self.lower.shape[-1]
+
+    def terms(self, x: Float[Array, "dim"]) -> FitnessTerms:
+        """All terms of Eq. 21 for one decision vector, in its dtype."""
+        if not isinstance(self.fitness, Suspension):
+            raise AttributeError(
+                "terms belong to problems made by Problem.from_scenario; call fitness(x) instead"
+            )
+        return self.fitness.terms(jnp.asarray(x))
+
+    def evaluate(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
+        """Fitness of a population; anything that is not finite ranks as +inf."""
+        population = getattr(self.fitness, "population", None) or jax.vmap(self.fitness)
+        value = population(x).astype(x.dtype)
+        return jnp.where(jnp.isfinite(value), value, jnp.inf)
+
+    def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"] | None:
+        """S_c of every candidate's waypoints (Eq. 18); None on a generic problem."""
+        stability = getattr(self.fitness, "stability", None)
+        return stability(x) if stability else None
+
+    def repair(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop dim"]:
+        """The admissible point that is evaluated and kept in place of x."""
+        inside = jnp.clip(x, self.low, self.high)
+        return inside if self.regions is None else _population_repair(self.regions, inside)
+
+    def with_fitness(self, fitness: Callable[[Array], Array]) -> "Problem":
+        """The same bounds, regions and reference with another fitness, a callable pytree."""
+        return _unflatten(None, (fitness, self.lower, self.upper, self.reference, self.regions))
+
+    def with_padded_regions(self, count: int, rows: int) -> "Problem":
+        """The same problem with so many regions of so many rows, some of which hold nothing."""
+        assert self.regions is not None
+        padded = pad_regions(self.regions, count, rows)
+        return _unflatten(None, (self.fitness, self.lower, self.upper, self.reference, padded))
+
+    def sample(self, key, count: int) -> Float[Array, "pop dim"]:
+        """Uniform random candidates."""
+        unit = jax.random.uniform(key, (count, self.dim), self.lower.dtype)
+        return self.repair(self.low + (self.high - self.low) * unit)
+
+
+def _flatten(problem: Problem):
+    return (
+        problem.fitness,
+        problem.lower,
+        problem.upper,
+        problem.reference,
+        problem.regions,
+    ), None
+
+
+def _unflatten(_, children) -> Problem:
+    problem = object.__new__(Problem)  # leaves may be tracers or placeholders: nothing to check
+    problem.fitness, problem.lower, problem.upper, problem.reference, problem.regions = children
+    return problem
+
+
+jax.tree_util.register_pytree_node(Problem, _flatten, _unflatten)
+
+
+def stack_problems(problems: Sequence[Problem]) -> Problem:
+    """Stack problems along a new leading axis of every leaf.
+
+    They are of equal static shape but for their regions, which are padded to common counts.
+    """
+    shapes = [each.regions.table.shape for each in problems if each.regions is not None]
+    if shapes:
+        count, rows, _ = np.max(shapes, axis=0).tolist()
+        problems = [each.with_padded_regions(count, rows) for each in problems]
+    return jax.tree.map(lambda *leaves: np.stack(leaves), *problems)
+
+
+def _confine(scenario: Scenario, search: str, space: FreeSpace | None) -> Regions | None:
+    """The regions of a search rule; refuses a free space without a way from start to goal."""
+    space = free_space(scenario) if space is None else space
+    if not space.connected:
+        raise InputError(
+            f'{scenario.name}: search = "{search}": {space.reason}; move start, goal or '
+            'obstacles, or search = "box"'
+        )
+    return regions_of(space, search)
+
+
+def _bounds(lower, upper) -> tuple[np.ndarray, np.ndarray]:
+    """Validated host copies of the bounds, in their common floating dtype."""
+    given = [bound if hasattr(bound, "dtype") else jnp.asarray(bound) for bound in (lower, upper)]
+    lower, upper = (np.asarray(bound) for bound in given)
+    dtype = np.result_type(lower, upper)
+    if not np.issubdtype(dtype, np.floating):
+        dtype = jnp.zeros(()).dtype
+    lower, upper = lower.astype(dtype), upper.astype(dtype)
+    if lower.ndim != 1 or lower.shape != upper.shape or lower.size == 0:
+        raise InputError(
+            f"lower and upper must be vectors of one length, got shapes {lower.shape} and "
+            f"{upper.shape}"
+        )
+    if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower < upper).all()):
+        raise InputError("bounds must be finite with lower < upper in every variable")
+    return lower, upper
+
+
+def _is_pytree(value: Any) -> bool:
+    """Whether JAX knows how to take a callable apart (a plain function is a leaf)."""
+    return not jax.tree_util.all_leaves([value])

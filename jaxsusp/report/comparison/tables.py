@@ -1,0 +1,169 @@
+"""The tables of a comparison: ours in the paper's columns, our ratios beside the paper's.
+
+Every function takes the dataset of a comparison and returns a frame of plain numbers; what people
+read (title, caption, best values, footnotes) travels in `frame.attrs` to the renderers.
+"""
+
+import json
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jaxsusp.report.comparison import published as paper
+from jaxsusp.report.render import Cell, Column, Footnote, duration
+from jaxsusp.report.render import to_csv as to_csv
+from jaxsusp.report.render import to_markdown as to_markdown
+
+_SMALLEST_IS_BEST = ("min", "max", "average", "std", "length", "height", "runtime")
+_LARGEST_IS_BEST = ("curvature_radius", "clear")
+
+
+def summary(ds: xr.Dataset) -> xr.Dataset:
+    """The metrics of Table 1 for a comparison, with dims scenario and algorithm.
+
+    Length, height (terms f1, f2) and curvature radius are those of the best run. A batch holds all
+    runs of all scenarios, so `runtime` is a run's share of it: `seconds_run` over the number of
+    runs in the whole dataset; compilation is not in it.
+
+    Args:
+        ds: a whole comparison. A NaN fitness means "no such run", +inf a run that found nothing.
+
+    Returns:
+        The variables of `paper.UNITS`, and `obstacles`, `evaluations`, `clear` (runs without any
+        collision or violation) and `runs`. One run has no standard deviation: NaN.
+    """
+    fitness = ds["fitness"]
+    ran = fitness.notnull()
+    best = ds["terms"].isel(run=fitness.fillna(np.inf).argmin("run"))
+    clear = ran & (ds["collisions"] == 0) & (ds["violations"] == 0)
+    with np.errstate(invalid="ignore"):  # the deviation of +inf is NaN, which is what to report
+        std = fitness.std("run", ddof=1)
+    metrics = {
+        "obstacles": ds["obstacles"],
+        "min": fitness.min("run"),
+        "max": fitness.max("run"),
+        "average": fitness.mean("run"),
+        "std": std,
+        "length": best.sel(term="length", drop=True),
+        "height": best.sel(term="height", drop=True),
+        "curvature_radius": ds["curvature_radius"],
+        "runtime": ds["seconds_run"] / ran.sum(("scenario", "run")),
+        "evaluations": ds["evaluations"],
+        "clear": clear.sum("run"),
+        "runs": ran.sum("run"),
+    }
+    return xr.Dataset(metrics).drop_vars("run", errors="ignore")
+
+
+def comparison_table(ds: xr.Dataset) -> pd.DataFrame:
+    """Our Table 1: one row per scenario and algorithm, the paper's columns and three more.
+
+    Returns:
+        Columns scenario, obstacles, algorithm, the paper's metrics (`paper.UNITS`), evaluations
+        per run, and of how many runs (`runs`) how many are violation-free (`clear`).
+    """
+    ours = ["evaluations", "clear", "runs"]
+    metrics = summary(ds)
+    frame = _flat(metrics, ["scenario", "obstacles", "algorithm", *paper.UNITS, *ours])
+    compiled = ", ".join(
+        f"{name} {duration(seconds)}" for name, seconds in ds["seconds_compile"].to_series().items()
+    )
+    frame.attrs["title"] = "Comparison of the algorithms"
+    frame.attrs["group"] = ["scenario", "obstacles"]
+    frame.attrs["bold"] = _best(metrics)
+    frame.attrs["caption"] = (
+        "Fitness over all runs (std with n − 1); length, height and median curvature radius of "
+        "the best run; evals: fitness evaluations per run; clear: runs without any collision or "
+        "violation. One batch holds all runs of all scenarios, so a run time is one run's share of "
+        f"its batch. Compilation, once per batch and not included: {compiled}. {_search(ds)}"
+    ).strip()
+    return frame
+
+
+def ratio_table(ds: xr.Dataset) -> pd.DataFrame:
+    """The paper's SDBO/DBO ratios and ours, one row each per scenario of the comparison.
+
+    Returns:
+        Columns scenario, source ("paper", "ours") and the metrics of `paper.RATIOS`. NaN where the
+        paper has no such scenario, or the comparison no sdbo or no dbo.
+    """
+    printed = paper.table1()
+    ours = summary(ds).reindex(algorithm=["dbo", "sdbo"])
+    pair = xr.concat(
+        [
+            paper.ratios(printed).reindex(scenario=ds["scenario"].values),
+            paper.ratios(ours),
+        ],
+        dim=pd.Index(["paper", "ours"], name="source"),
+    )
+    frame = _flat(pair, ["scenario", "source", *paper.RATIOS])
+    rows = {s: row for row, s in frame["scenario"].items() if frame.at[row, "source"] == "paper"}
+    frame.attrs["title"] = "SDBO / DBO, the paper and ours"
+    frame.attrs["group"] = ["scenario"]
+    frame.attrs["columns"] = {metric: Column(metric) for metric in paper.RATIOS}
+    frame.attrs["caption"] = (
+        "Below 1, SDBO is better. The paper prints no obstacle coordinates and our scenarios are "
+        "our own, so ratios compare and absolute values do not."
+    )
+    frame.attrs["footnotes"] = [
+        Footnote(r.text, frozenset((rows[s], metric) for s, metric in r.cells if s in rows))
+        for r in paper.remarks(printed)
+    ]
+    return frame
+
+
+def stability_table(ds: xr.Dataset) -> pd.DataFrame:
+    """How often SDBO's stability move (Eq. 19) acted, for the algorithms that have it.
+
+    Returns:
+        Columns scenario, algorithm, acted and kept: shares in [0, 1].
+    """
+    shares = xr.Dataset({name: ds[f"stability_{name}"] for name in ("acted", "kept")})
+    if "run" in shares.dims:
+        shares = shares.mean("run")
+    frame = _flat(shares, ["scenario", "algorithm", "acted", "kept"])
+    frame = frame.loc[frame["acted"].notna()].reset_index(drop=True)
+    frame.attrs["title"] = "The stability move of SDBO (Eq. 19)"
+    frame.attrs["group"] = ["scenario"]
+    frame.attrs["caption"] = (
+        "Shares of all beetles over all iterations and runs. Acted: at least one waypoint had its "
+        "stability factor in the window and was scaled. Kept: the beetle became better by it."
+    )
+    return frame
+
+
+def _search(ds: xr.Dataset) -> str:
+    """A sentence on what waypoints were kept in."""
+    search = json.loads(ds.attrs.get("settings", "{}")).get("search")
+    kept = {
+        "free-space": "in the polytopes of the free space",
+        "ellipsoid": "in the ellipsoids of the free space",
+        "box": "in the box of the workspace",
+    }
+    return f'Waypoints were kept {kept[search]} (search = "{search}").' if search in kept else ""
+
+
+def _flat(ds: xr.Dataset, columns: list[str]) -> pd.DataFrame:
+    """One row per cell of the dataset, in its order, scenario by scenario."""
+    others = [dim for dim in ds.dims if dim != "scenario"]
+    return ds.to_dataframe(["scenario", *others]).reset_index().reindex(columns=columns)
+
+
+def _best(metrics: xr.Dataset) -> frozenset[Cell]:
+    """The cells with the best value of every scenario, ties included.
+
+    An algorithm without one violation-free run competes only where no algorithm has any: a short
+    way through an obstacle is not a best length.
+    """
+    if metrics.sizes["algorithm"] == 1:
+        return frozenset()
+    clear = metrics["clear"] > 0
+    rivals = metrics.where(clear | ~clear.any("algorithm"))
+    best = {name: rivals[name] == rivals[name].min("algorithm") for name in _SMALLEST_IS_BEST}
+    best |= {name: rivals[name] == rivals[name].max("algorithm") for name in _LARGEST_IS_BEST}
+    return frozenset(
+        (int(row), name)
+        for name, flags in best.items()
+        for row in np.flatnonzero(flags.transpose("scenario", "algorithm"))
+    )

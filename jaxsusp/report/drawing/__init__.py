@@ -1,0 +1,1 @@
+"""How scenes are drawn without a graphics card: solids, sight, paint, and one look for all."""

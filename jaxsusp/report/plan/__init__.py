@@ -1,0 +1,1 @@
+"""What people see of a plan: tables, curves, scenes, films, and the folder they are written to."""

@@ -1,0 +1,218 @@
+"""The tables and keys of a scenario file, each with its type, default and description (spec §13).
+
+A `Statement` is what the file says and no more. What must hold between its values is looked at by
+`admissible`; a `Scenario` is a statement that passed. SI units, degrees where a name ends in
+`_deg`; world frame, z up.
+"""
+
+import os
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    field_validator,
+)
+
+from jaxsusp.geometry.meshes import MeshError, bounding_box
+from jaxsusp.scenario.quantities import (
+    Lengths,
+    NonNegative,
+    NonNegativeRange,
+    Number,
+    Point,
+    Positive,
+    Range,
+    Weights,
+)
+
+Attachments = Annotated[
+    Annotated[Literal["hook"], Tag("hook")] | Annotated[tuple[Point, ...], Tag("list")],
+    Discriminator(lambda given: "hook" if isinstance(given, str) else "list"),
+]
+
+
+class _Section(BaseModel):
+    """A table of the file. The description of a field is the remedy an error names."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+class Payload(_Section):
+    """The load: an upright cylinder, positioned by its centre."""
+
+    mass: Positive = Field(description="the mass in kg")
+    radius: Positive = Field(description="the radius in m")
+    height: Positive = Field(description="the height in m")
+    attachments: Attachments = Field(
+        default="hook", description='"hook", or one [x, y, z] in m from the centre per cable'
+    )
+    center_of_mass: Point = Field(
+        default=(0.0, 0.0, 0.0), description="the offset [x, y, z] in m from the centre"
+    )
+
+
+class Limits(_Section):
+    """The bounds of Eq. 22."""
+
+    tension: NonNegativeRange = Field(
+        default=(1.0, 100.0), description="the least and greatest tension of a cable in N"
+    )
+    cable_length: NonNegativeRange = Field(
+        default=(0.5, 15.0), description="the least and greatest length of a cable in m"
+    )
+    posture_deg: Positive = Field(
+        default=10.0, le=180, description="the greatest tilt of the load in degrees"
+    )
+    clearance: NonNegative = Field(
+        default=0.05, description="the width in m of the warning area around obstacles"
+    )
+    cable_radius: Positive = Field(default=0.01, description="the radius of a cable in m")
+    stability: NonNegative = Field(
+        default=0.0, le=1, description="the least stability factor S_c, from 0 (no limit) to 1"
+    )
+    safety_factor: Number = Field(
+        default=1.5,
+        ge=1,
+        description="the ultimate over the greatest tension of a cable, 1 or more",
+    )
+    separation: NonNegative = Field(
+        default=0.5, description="the least distance in m between the ends and arms of two robots"
+    )
+    joint_limits_deg: tuple[tuple[Range, Range, Range], ...] | None = Field(
+        default=None,
+        description="three [low, high] pairs in degrees per robot, or once for all robots",
+    )
+
+
+class Workspace(_Section):
+    """The box in which the centre of the load may be."""
+
+    lower: Point = Field(default=(-3.5, -3.5, 0.2), description="the lowest corner [x, y, z] in m")
+    upper: Point = Field(default=(3.5, 3.5, 5.5), description="the highest corner [x, y, z] in m")
+
+
+class Task(_Section):
+    """What is to be done."""
+
+    start: Point = Field(description="the first position [x, y, z] of the load in m")
+    goal: Point = Field(description="the last position [x, y, z] of the load in m")
+    duration: Positive = Field(default=40.0, description="the time for the motion in s")
+
+
+class Robot(_Section):
+    """A towing robot and the nominal end of its cable."""
+
+    base: Point = Field(description="the foot [x, y, z] of the column in m")
+    links: Lengths = Field(description="the lengths of the column and of the two links in m")
+    end: Point = Field(description="the upper end [x, y, z] of the cable in m")
+    link_radius: Positive = Field(default=0.08, description="the radius of the links in m")
+    column_radius: Positive = Field(default=0.12, description="the radius of the column in m")
+
+
+class Box(_Section):
+    """An upright box turned about the vertical axis."""
+
+    name: str = Field(default="", description="a name in quotes")
+    kind: Literal["box"] = "box"
+    center: Point = Field(description="the centre [x, y, z] in m")
+    size: Lengths = Field(description="the full size [x, y, z] in m")
+    yaw_deg: Number = Field(default=0.0, description="the angle about the vertical axis in degrees")
+
+
+class Cylinder(_Section):
+    """A vertical cylinder."""
+
+    name: str = Field(default="", description="a name in quotes")
+    kind: Literal["cylinder"] = "cylinder"
+    center: Point = Field(description="the centre [x, y, z] in m")
+    radius: Positive = Field(description="the radius in m")
+    height: Positive = Field(description="the full height in m")
+
+
+class Sphere(_Section):
+    """A sphere."""
+
+    name: str = Field(default="", description="a name in quotes")
+    kind: Literal["sphere"] = "sphere"
+    center: Point = Field(description="the centre [x, y, z] in m")
+    radius: Positive = Field(description="the radius in m")
+
+
+class Mesh(_Section):
+    """A mesh file, placed by the centre of its bounding box."""
+
+    name: str = Field(default="", description="a name in quotes")
+    kind: Literal["mesh"] = "mesh"
+    center: Point = Field(description="the centre [x, y, z] of the bounding box in m")
+    scale: Positive = Field(
+        default=1.0, description="the factor from the unit of the file to metres"
+    )
+    yaw_deg: Number = Field(default=0.0, description="the angle about the vertical axis in degrees")
+    shape: Literal["box", "hull"] = Field(
+        default="box", description='"box" or "hull", which stands for the mesh in the free space'
+    )
+    file: str = Field(description="the path of a mesh file, relative to the scenario file")
+
+    @field_validator("file")
+    @classmethod
+    def _resolved(cls, file: str, info: Any) -> str:
+        """Anchor the path at the scenario's folder, so that it survives a copy elsewhere."""
+        # `info` is a pydantic ValidationInfo, a protocol that no run-time checker can check.
+        folder = (info.context or {}).get("folder", "")
+        path = os.path.abspath(os.path.join(folder, file))
+        try:
+            bounding_box(path, info.data.get("scale", 1.0))
+        except MeshError as error:
+            raise ValueError(f"cannot be used ({error})") from error
+        return path
+
+    @property
+    def path(self) -> Path:
+        """The file, absolute."""
+        return Path(self.file)
+
+
+def _three_or_more(robots: tuple[Robot, ...]) -> tuple[Robot, ...]:
+    if len(robots) < 3:
+        raise ValueError(f"has only {len(robots)} of at least three entries")
+    return robots
+
+
+Robots = Annotated[tuple[Robot, ...], AfterValidator(_three_or_more)]
+Obstacle = Annotated[Box | Cylinder | Sphere | Mesh, Field(discriminator="kind")]
+
+
+class Fitness(_Section):
+    """The coefficients of Eq. 21."""
+
+    weights: Weights = Field(
+        default=(1.0, 1.0, 1.0, 1.0, 1.0, 1.0), description="six weights, of the terms f1 to f6"
+    )
+    kappa: NonNegative = Field(default=1000.0, description="the penalty per collision or violation")
+
+
+class Statement(_Section):
+    """What a scenario file states, table by table."""
+
+    name: str = Field(min_length=1, description="a name in quotes")
+    drive: Literal["cable", "end", "base", "hybrid"] = Field(
+        default="cable", description='the drive mode, "cable", "end", "base" or "hybrid"'
+    )
+    payload: Payload = Field(description="a [payload] table with mass, radius and height")
+    limits: Limits = Field(default=Limits(), description="a [limits] table")
+    workspace: Workspace = Field(default=Workspace(), description="a [workspace] table")
+    task: Task = Field(description="a [task] table with start and goal")
+    fitness: Fitness = Field(default=Fitness(), description="a [fitness] table")
+    robots: Robots = Field(
+        description="one [[robots]] table with base, links and end per robot, three or more"
+    )
+    obstacles: tuple[Obstacle, ...] = Field(
+        default=(),
+        description="one [[obstacles]] table per box, cylinder, sphere or mesh, with its kind",
+    )

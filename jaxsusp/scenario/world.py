@@ -1,0 +1,236 @@
+"""The world of a scenario as arrays: what JAX sees of it.
+
+A `Scenario` is for people; a `World` is a pytree of coefficients with nothing ragged in it, so
+that worlds of equal robot and (padded) obstacle counts stack and one compiled program serves them
+all. Host code builds it in float64; the fitness casts it to the dtype of its argument.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp._types import Array, Float
+from jaxsusp.geometry.collisions import Bodies
+from jaxsusp.geometry.meshes import bounding_box
+from jaxsusp.geometry.obstacles import Obstacles, pack
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.mechanics.posture.load import Load
+from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
+from jaxsusp.scenario.models import Statement
+from jaxsusp.vec3 import Vec3
+
+
+class Limits(NamedTuple):
+    """The bounds of Eq. 22 that the fitness counts (N, m, 1, rad)."""
+
+    tension_low: Float[Array, ""]
+    tension_high: Float[Array, ""]
+    length_low: Float[Array, ""]
+    length_high: Float[Array, ""]
+    stability: Float[Array, ""]
+    posture: Float[Array, ""]
+    separation: Float[Array, ""]
+
+
+class Robots(NamedTuple):
+    """The K robots (m, rad); joints without limits have infinite ones."""
+
+    base: Float[Array, "*stack cables xyz"]
+    links: Float[Array, "*stack cables joints"]
+    radius: Float[Array, "*stack cables parts=3"]  # of column, upper and lower link
+    joint_low: Float[Array, "*stack cables joints"]
+    joint_high: Float[Array, "*stack cables joints"]
+
+    @property
+    def shoulder(self) -> Vec3:
+        """Tops of the columns."""
+        base = Vec3.from_array(jnp.asarray(self.base))
+        return base._replace(z=base.z + self.links[..., 0])
+
+    @property
+    def nearest(self) -> Float[Array, "*stack cables"]:
+        """Least distance of an end from the shoulder."""
+        return jnp.abs(jnp.asarray(self.links[..., 1] - self.links[..., 2]))
+
+    @property
+    def farthest(self) -> Float[Array, "*stack cables"]:
+        """Greatest distance of an end from the shoulder."""
+        return jnp.asarray(self.links[..., 1] + self.links[..., 2])
+
+
+class Shape(NamedTuple):
+    """Half-extents of what must stay clear of obstacles, the load's posture limit included (m)."""
+
+    radius: float
+    half_height: float
+    cable_radius: float
+
+
+class World(NamedTuple):
+    """One scenario, or several stacked along a leading axis of every leaf (SI units)."""
+
+    start: Vec3
+    goal: Vec3
+    lower: Vec3  # workspace of the payload's centre
+    upper: Vec3
+    bodies: Bodies
+    obstacles: Obstacles
+    limits: Limits
+    mass: Float[Array, ""]
+    duration: Float[Array, ""]
+    weights: Float[Array, "terms"]
+    kappa: Float[Array, ""]
+    center_of_mass: Vec3  # from the payload's centre
+    robots: Robots
+
+    @property
+    def cables(self) -> int:
+        """Number of cables K."""
+        return self.bodies.ends.x.shape[-1]
+
+    def load(self, gravity: Float[Array, "xyz"]) -> Load:
+        """The load as `mechanics.posture.load` sees it, in a field of gravity (m/s²)."""
+        rows = jnp.broadcast_to(self.bodies.attachments.to_array(), (self.cables, 3))
+        return Load(self.mass, gravity, self.center_of_mass.to_array(), rows)
+
+
+def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, int, int]:
+    """Least padded (boxes, cylinders, spheres) that hold every one of the scenarios."""
+    kinds = [_by_kind(scenario) for scenario in scenarios]
+    boxes, cylinders, spheres = (max(map(len, rows)) for rows in zip(*kinds, strict=True))
+    return boxes, cylinders, spheres
+
+
+def rounded_counts(scenario: Statement) -> tuple[int, int, int]:
+    """Padded (boxes, cylinders, spheres), each a power of two from 2 up.
+
+    For programs that meet one scenario after the other: those of about the same size share the
+    compiled program.
+    """
+    boxes, cylinders, spheres = (
+        2 ** max(1, (count - 1).bit_length()) for count in obstacle_counts([scenario])
+    )
+    return boxes, cylinders, spheres
+
+
+def build_world(scenario: Statement, counts: tuple[int, int, int] | None = None) -> World:
+    """Scenario → World, float64 on the host, obstacles padded to `counts` (default: no padding)."""
+    payload, limits, robots = scenario.payload, scenario.limits, scenario.robots
+    attachments = (
+        np.array([[0.0, 0.0, payload.height / 2]])
+        if payload.attachments == "hook"
+        else np.asarray(payload.attachments, np.float64)
+    )
+    shape = warning_shape(scenario)
+    bodies = Bodies(
+        radius=_scalar(shape.radius),
+        half_height=_scalar(shape.half_height),
+        cable_radius=_scalar(shape.cable_radius),
+        clearance=_scalar(limits.clearance),
+        attachments=_vector(attachments),
+        ends=_vector([robot.end for robot in robots]),
+    )
+    rows = _by_kind(scenario)
+    return World(
+        start=_vector(scenario.task.start),
+        goal=_vector(scenario.task.goal),
+        lower=_vector(scenario.workspace.lower),
+        upper=_vector(scenario.workspace.upper),
+        bodies=bodies,
+        obstacles=pack(*rows, counts=counts or obstacle_counts([scenario])),
+        limits=_limits(limits),
+        mass=_scalar(payload.mass),
+        duration=_scalar(scenario.task.duration),
+        weights=np.asarray(scenario.fitness.weights, np.float64),
+        kappa=_scalar(scenario.fitness.kappa),
+        center_of_mass=_vector(payload.center_of_mass),
+        robots=_robots(scenario),
+    )
+
+
+def attachments_of(scenario: Statement) -> Float[np.ndarray, "cables xyz"]:
+    """Lower cable ends relative to the load's centre, one row per cable (m)."""
+    payload, cables = scenario.payload, len(scenario.robots)
+    if payload.attachments == "hook":
+        return np.tile([0.0, 0.0, payload.height / 2], (cables, 1))
+    return np.array(payload.attachments, np.float64)
+
+
+def warning_shape(scenario: Statement) -> Shape:
+    """Payload and cables as planning sees them, before clearance.
+
+    At a hook, and where movable ends keep it level, the load is as given. With separate
+    attachments and fixed ends it turns, by up to the posture limit: load and cables then take the
+    room of everything that such a turn can reach.
+    """
+    payload, limits = scenario.payload, scenario.limits
+    if payload.attachments == "hook" or moving(scenario.drive):
+        return Shape(payload.radius, payload.height / 2, limits.cable_radius)
+    turn = math.radians(limits.posture_deg)
+    farthest = max(math.hypot(*attachment) for attachment in payload.attachments)
+    wide, high = warning_half_extents(payload.radius, payload.height, turn)
+    return Shape(wide, high, limits.cable_radius + attachment_motion(farthest, turn))
+
+
+def cast_world(world: World, dtype) -> World:
+    """The same world with every floating leaf in `dtype`."""
+
+    def cast(leaf):
+        leaf = jnp.asarray(leaf) if isinstance(leaf, jax.Array) else np.asarray(leaf)
+        return leaf if leaf.dtype == bool else jnp.asarray(leaf, dtype)
+
+    return jax.tree.map(cast, world)
+
+
+def _limits(limits) -> Limits:
+    turn = math.radians(limits.posture_deg)
+    numbers = (*limits.tension, *limits.cable_length, limits.stability, turn, limits.separation)
+    return Limits(*map(_scalar, numbers))
+
+
+def _robots(scenario: Statement) -> Robots:
+    robots, limits = scenario.robots, scenario.limits.joint_limits_deg
+    ranges = np.tile([-np.inf, np.inf], (len(robots), 3, 1))
+    if limits is not None:
+        ranges = np.broadcast_to(np.deg2rad(np.array(limits)), ranges.shape)
+    return Robots(
+        np.array([robot.base for robot in robots], np.float64),
+        np.array([robot.links for robot in robots], np.float64),
+        np.array([[robot.column_radius, *[robot.link_radius] * 2] for robot in robots]),
+        np.ascontiguousarray(ranges[..., 0]),
+        np.ascontiguousarray(ranges[..., 1]),
+    )
+
+
+def _vector(rows) -> Vec3:
+    """(…, 3) numbers → Vec3 of float64 host arrays."""
+    columns = np.moveaxis(np.asarray(rows, np.float64), -1, 0).copy()
+    return Vec3(*(np.asarray(column) for column in columns))
+
+
+def _scalar(value: float) -> np.ndarray:
+    """A number as a leaf that stacks and casts like all others."""
+    return np.array(value, np.float64)
+
+
+def _by_kind(scenario: Statement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows of boxes, cylinders and spheres as `pack` wants them; a mesh counts as a box."""
+    boxes, cylinders, spheres = [], [], []
+    for obstacle in scenario.obstacles:
+        center = obstacle.center
+        match obstacle.kind:
+            case "box":
+                half = [side / 2 for side in obstacle.size]
+                boxes.append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
+            case "mesh":
+                half = bounding_box(obstacle.path, obstacle.scale) / 2
+                boxes.append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
+            case "cylinder":
+                cylinders.append([*center, obstacle.radius, obstacle.height / 2])
+            case "sphere":
+                spheres.append([*center, obstacle.radius])
+    return np.array(boxes), np.array(cylinders), np.array(spheres)

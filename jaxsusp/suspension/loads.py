@@ -1,0 +1,114 @@
+"""What the cables carry along a motion: lengths, tensions at rest and with inertia, postures."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxsusp._types import Array, Bool, Float
+from jaxsusp.geometry.cables import cable_lengths, cable_vectors
+from jaxsusp.mechanics.statics import force_tensions, weight
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
+from jaxsusp.suspension.hanging import Hanging, equilibrium
+from jaxsusp.suspension.level import ends_at, stability_of, tight_tension_limits
+from jaxsusp.vec3 import Vec3, pack_rows, rows_of
+
+
+class Loads(NamedTuple):
+    """Load and cables at many instants; host arrays."""
+
+    lengths: Float[np.ndarray, "times cables"]  # m
+    static: Float[np.ndarray, "times cables"]  # tensions of a load at rest there, N
+    tensions: Float[np.ndarray, "times cables"]  # with inertia, N; NaN without equilibrium
+    stability: Float[np.ndarray, "times"]  # S_c, without inertia
+    posture: Float[np.ndarray, "times xyz 3"]  # R; level at a hook
+    turn: Float[np.ndarray, "times"]  # angle of R, rad
+    balanced: Bool[np.ndarray, "times"]  # whether the load is in equilibrium
+    missing: Float[np.ndarray, "times"]  # moment that equilibrium lacks, N m
+    stiffness: Float[np.ndarray, "times"]  # of the softest mode, N/m; inf at a hook
+
+
+def cable_loads(
+    scenario: Scenario,
+    position: Float[Array, "times xyz"],
+    acceleration: Float[Array, "times xyz"] | None = None,
+    ends: Float[Array, "*#times cables xyz"] | None = None,
+) -> Loads:
+    """Lengths, tensions, stability factor and postures, float64 (Eq. 3, 4, 6, 18; spec §3).
+
+    At a hook the load is level and its tensions balance the forces; separate attachments turn it
+    to its equilibrium.
+
+    Args:
+        scenario: load, attachments and limits.
+        position: of the load's centre (m).
+        acceleration: of it (m/s²); default none.
+        ends: upper cable ends, (K, 3) or (times, K, 3) (m); default the scenario's, moved by the
+            plain rule of its drive mode.
+    """
+    position = np.asarray(position, np.float64)
+    count, cables = len(position), len(scenario.robots)
+    if acceleration is None:
+        acceleration = np.zeros_like(position)
+    world = build_world(scenario, rounded_counts(scenario))
+    with jax.enable_x64(True):
+        world, where = cast_world(world, np.float64), jnp.asarray(position)
+        if ends is None:
+            packed = ends_at(world, Vec3.from_array(where), scenario.drive)
+            ends = np.asarray(rows_of(packed))
+        held = np.broadcast_to(np.asarray(ends, np.float64), (count, cables, 3))
+        if scenario.payload.attachments != "hook":
+            return _turned(scenario, world, where, acceleration, held)
+        found = _at_hook(world, where, jnp.asarray(acceleration), jnp.asarray(held))
+        lengths, static, tensions, factor = map(np.asarray, found)
+    nothing = np.zeros(count)
+    return Loads(
+        lengths,
+        static,
+        tensions,
+        factor,
+        np.tile(np.eye(3), (count, 1, 1)),
+        turn=nothing,
+        balanced=np.ones(count, bool),
+        missing=nothing,
+        stiffness=np.full(count, np.inf),
+    )
+
+
+@jax.jit
+def _at_hook(world: World, position, acceleration, ends) -> tuple[Array, ...]:
+    where, packed = Vec3.from_array(position), pack_rows(ends)
+    vectors = cable_vectors(where, world.bodies.attachments, packed)
+    lengths, still = cable_lengths(vectors), weight(world.mass)
+    limits = tight_tension_limits(world.limits, position.dtype)
+    static = force_tensions(vectors, lengths, still, limits)
+    force = Vec3.from_array(acceleration) * world.mass + still
+    moving = force_tensions(vectors, lengths, force, limits)
+    columns = (jnp.stack(each, axis=-1) for each in (lengths, static, moving))
+    return *columns, stability_of(world, where, static, packed)
+
+
+def _turned(scenario: Scenario, world: World, position, acceleration, ends) -> Loads:
+    """Of a load that turns until its moments balance."""
+    static = equilibrium(scenario, position, ends=ends)
+    moving = equilibrium(scenario, position, acceleration, ends=ends)
+
+    def balanced(found: Hanging) -> np.ndarray:
+        return np.where(np.asarray(found.balanced)[:, None], np.asarray(found.tensions), np.nan)
+
+    packed = pack_rows(jnp.asarray(ends))
+    columns = list(jnp.asarray(balanced(static)).T)
+    factor = stability_of(world, Vec3.from_array(position), columns, packed)
+    return Loads(
+        np.asarray(moving.lengths),
+        balanced(static),
+        balanced(moving),
+        np.asarray(factor),
+        np.asarray(moving.posture),
+        np.asarray(moving.turn),
+        np.asarray(moving.balanced),
+        np.asarray(moving.moment),
+        np.asarray(moving.stiffness),
+    )

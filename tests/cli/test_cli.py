@@ -1,0 +1,309 @@
+"""The command line as a person or a script meets it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import jaxsusp as js
+from jaxsusp.cli.progress import Pace
+from jaxsusp.comparison import compare as comparison
+from jaxsusp.comparison import dataset as results
+from jaxsusp.comparison.compare import Event
+from jaxsusp.comparison.store import FILE, PARTS
+from jaxsusp.report.comparison import folder
+from jaxsusp.report.comparison.folder import write_report
+from jaxsusp.report.drawing import scene as scene3d
+
+SMALL = ["--scenarios", "scenario-1,scenario-3", "--algorithms", "ga,sdbo"]
+SMALL += ["--runs", "2", "--iterations", "6", "--population", "8"]
+PROGRAM = [str(Path(sys.executable).with_name("jaxsusp"))]
+ENVIRONMENT = {
+    **os.environ,
+    "XLA_FLAGS": "--xla_cpu_prefer_vector_width=256",  # as in the tests' own process
+    "COLUMNS": "80",
+}
+
+
+@pytest.fixture(scope="module")
+def uninterrupted() -> xr.Dataset:
+    """What the small comparison finds."""
+    return js.compare(("scenario-1", "scenario-3"), ("ga", "sdbo"), 2, 6, 8)
+
+
+@pytest.fixture(scope="module")
+def saved(uninterrupted, tmp_path_factory) -> Path:
+    """The small comparison as a file."""
+    path = tmp_path_factory.mktemp("saved") / FILE
+    js.save_results(uninterrupted, path)
+    return path
+
+
+@pytest.fixture
+def quick_pictures(monkeypatch):
+    """Pictures that take no time."""
+    monkeypatch.setattr(scene3d, "scene", lambda *_: None)
+    monkeypatch.setattr(folder, "save", lambda figure, path: path.write_text("picture"))
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+# Good input
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_an_interrupt_keeps_what_is_finished_and_resume_completes_it(tmp_path, run, uninterrupted):
+    command = [*PROGRAM, "compare", *SMALL, "--output", str(tmp_path)]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT
+    ) as process:
+        watchdog = threading.Timer(100, process.kill)
+        watchdog.start()
+        first = process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate()
+        watchdog.cancel()
+    assert first.startswith("ga finished: 2")
+    assert process.returncode == 130
+    assert out == ""
+    assert err == (
+        f"Interrupted: finished and kept in {tmp_path}: ga. The same command with --resume goes "
+        "on.\n"
+    )
+    assert [path.name for path in tmp_path.iterdir()] == [PARTS]
+
+    code, out, err = run("compare", *SMALL, "--output", tmp_path, "--resume")
+    assert code == 0
+    assert err.startswith("ga was there already: 2")
+    assert "Comparison of the algorithms" in out
+    times = ["seconds_run", "seconds_compile"]
+    found = js.load_results(tmp_path / FILE)
+    xr.testing.assert_equal(found.drop_vars(times), uninterrupted.drop_vars(times))
+    assert not (tmp_path / PARTS).exists()
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_json_holds_the_tables_and_no_nan(run, tmp_path):
+    code, out, err = run("compare", *SMALL, "--runs", "2", "--output", tmp_path, "--json")
+    assert code == 0
+    printed = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    assert {"comparison", "ratios", "stability", "files"} <= printed.keys()
+    assert [row["algorithm"] for row in printed["comparison"]] == ["ga", "sdbo"] * 2
+    assert printed["ratios"][1]["min"] is None  # there is no dbo
+    assert all(Path(file).is_file() for file in printed["files"])
+    lines = err.splitlines()
+    assert [line.split(":")[0] for line in lines[:2]] == ["ga finished", "sdbo finished"]
+    assert lines[2:] == [f"{len(printed['files'])} tables and figures are in {tmp_path}"]
+
+
+def test_report_writes_the_same_files_again(run, saved, tmp_path):
+    path = tmp_path / "half.nc"
+    js.save_results(js.load_results(saved).sel(scenario=["scenario-3"]), path)
+    first = run("report", path, "--output", tmp_path / "one")
+    second = run("report", path, "--output", tmp_path / "two")
+    assert first[0] == second[0] == 0
+    assert first[1] == second[1]
+    one, two = contents(tmp_path / "one"), contents(tmp_path / "two")
+    assert [path.name for path in one] == [path.name for path in two]
+    assert list(one.values()) == list(two.values())
+    names = {path.name for path in one}
+    assert {"comparison.csv", "comparison.md", "convergence.png", "scenario-3.png"} <= names
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_tables_fit_eighty_columns(run, saved, tmp_path, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = run("report", saved, "--output", tmp_path)
+    assert max(map(len, out.splitlines())) <= 80
+    assert "…" not in out
+
+
+def test_lists_are_tables_or_json(run):
+    for command, name in (("scenarios", "scenario"), ("algorithms", "algorithm")):
+        code, out, err = run(command)
+        assert (code, err) == (0, "")
+        rows = json.loads(run(command, "--json")[1])
+        assert all(row[name] in out for row in rows)
+    assert [row["algorithm"] for row in rows] == list(js.ALGORITHMS)
+
+
+@pytest.mark.parametrize("command", ["compare", "report", "scenarios", "algorithms"])
+def test_help_shows_an_example(run, command):
+    code, out, err = run(command, "--help")
+    assert (code, err) == (0, "")
+    assert f"Example: jaxsusp {command}" in out
+
+
+# Bad input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["compare", "--runs", "0"], "runs = 0: give a whole number of at least 1"),
+        (["compare", "--runs", "-1"], "runs = -1: give a whole number of at least 1"),
+        (["compare", "--runs", "x"], "'--runs': 'x'; give a whole number"),
+        (["compare", "--seed", "1.5"], "'--seed': '1.5'; give a whole number"),
+        (["compare", "--iterations", ""], "'--iterations': ''; give a whole number"),
+        (["compare", "--population", "2", "--algorithms", "dbo"], "population"),
+        (["compare", "--scenarios", "scenario-7"], "scenario-7: is neither a file nor"),
+        (["compare", "--scenarios", ","], "scenarios: none given"),
+        (["compare", "--scenarios", "missing.toml"], "missing.toml: is neither a file"),
+        (["compare", "--scenarios", "broken.toml"], "broken.toml: is not valid TOML"),
+        (["compare", "--scenarios", "key.toml"], "key.toml: payload.mas = 9.0 is not a known key"),
+        (["compare", "--scenarios", "inf.toml"], "inf.toml: payload.mass = inf must be finite"),
+        (["compare", "--algorithms", "sdob"], 'did you mean "sdbo"'),
+        (["compare", "--algorithms", ""], "algorithms: none given"),
+        (["compare", "--algorithms", "ga,ga"], "'ga' is repeated"),
+        (["compare", "--search", "foo"], "search = 'foo' is not known"),
+        (["compare", "--budget", "time"], "budget = 'time' is not known"),
+        (["compare", "--output", "broken.toml"], "output = broken.toml: cannot be written"),
+        (["compare", "--output", "old", "--resume"], "cannot be resumed, it differs in"),
+        (["compare", "--colour"], "No such option: --colour"),
+        (["report", "missing.nc"], "missing.nc: no such file"),
+        (["report", "broken.toml"], "broken.toml: cannot be read as NetCDF-4"),
+        (["report", "old/compare.nc", "--output", "broken.toml"], "broken.toml: File exists"),
+        (["compair"], "Did you mean 'compare'"),
+    ],
+)
+def test_bad_input_is_one_message_and_status_2(
+    run, saved, tmp_path, monkeypatch, arguments, message
+):
+    monkeypatch.chdir(tmp_path)
+    text = js.load_scenario("scenario-1").to_toml()
+    mass = next(line for line in text.splitlines() if line.startswith("mass"))
+    Path("broken.toml").write_text("name = ")
+    Path("key.toml").write_text(text.replace(mass, "mas = 9.0\n" + mass))
+    Path("inf.toml").write_text(text.replace(mass, "mass = inf"))
+    Path("old").mkdir()
+    Path("old", FILE).write_bytes(saved.read_bytes())
+    before = contents(tmp_path)
+    code, out, err = run(*arguments)
+    assert code == 2
+    assert out == ""
+    assert message in " ".join(err.split())
+    assert "Traceback" not in err
+    assert contents(tmp_path) == before
+
+
+def test_bad_input_from_a_shell(tmp_path):
+    done = subprocess.run(
+        [*PROGRAM, "compare", "--algorithms", "sdob"],
+        capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT, timeout=100, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("algorithm = 'sdob' is not known; did you mean \"sdbo\"?")
+    assert len(done.stderr.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_disk_that_fills_up_is_one_message(run, tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    code, out, err = run("compare", *SMALL, "--output", tmp_path)
+    assert (code, out) == (2, "")
+    assert "cannot be written (No space left on device)" in err
+    assert contents(tmp_path) == {}
+
+
+# Interrupts at other times
+
+
+def test_an_interrupt_before_anything_is_finished_says_so(run, tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(comparison, "stack_scenarios", interrupted)
+    code, out, err = run("compare", *SMALL, "--output", tmp_path)
+    assert (code, out) == (130, "")
+    assert err == "Interrupted: no algorithm had finished; nothing was written.\n"
+
+
+def test_an_interrupt_in_a_callback_that_swallows_it_is_not_lost(run, tmp_path, monkeypatch):
+    def _xla_gc_callback():  # as JAX's is named
+        signal.raise_signal(signal.SIGINT)
+        return [None for _ in range(100)]
+
+    def long_comparison(*_, progress, **__):
+        _xla_gc_callback()
+        progress(Event("ga", "running", 1, 2))
+        pytest.fail("the interrupt was lost")
+
+    monkeypatch.setattr(comparison, "compare", long_comparison)
+    before = signal.getsignal(signal.SIGINT)
+    code, out, err = run("compare", "--output", tmp_path)
+    assert (code, out) == (130, "")
+    assert err.startswith("Interrupted: ")
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interrupt_while_drawing_says_that_the_comparison_is_complete(
+    run, tmp_path, monkeypatch
+):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jaxsusp.report.comparison.folder.write_report", interrupted)
+    code, _, err = run("compare", *SMALL, "--output", tmp_path)
+    assert code == 130
+    assert f"`jaxsusp report {tmp_path / FILE}` writes its report" in err
+    assert results.load_results(tmp_path / FILE).sizes["algorithm"] == 2
+
+
+# Progress and pictures
+
+
+def test_pace_counts_neither_compilation_nor_what_was_there():
+    now = [0.0]
+    pace = Pace(lambda: now[0])
+
+    def told(time, phase, done, compilations):
+        now[0] = time
+        pace.told(Event("ga", phase, done, 100_000, compilations))
+        return pace.rate, pace.elapsed, pace.left
+
+    assert told(0, "resumed", 40_000, 2) == ("", "0:00:00", "")
+    assert told(1, "compiling", 40_000, 2) == ("", "0:00:01", "")
+    assert told(11, "running", 41_000, 1) == ("", "0:00:11", "")
+    assert told(12, "running", 45_000, 1) == ("4k evals/s", "0:00:12", "0:00:24 left")
+    assert told(16, "finished", 60_000, 1) == ("4k evals/s", "0:00:16", "0:00:20 left")
+    assert told(16, "compiling", 60_000, 1) == ("4k evals/s", "0:00:16", "0:00:20 left")
+    assert told(37, "running", 80_000, 0)[2] == "0:00:05 left"
+    now[0] = 50.0
+    assert pace.left == "0:00:00 left"
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_pictures_have_plain_names_of_their_own(uninterrupted, tmp_path):
+    text = js.load_scenario("scenario-1").to_toml()
+    names = ["../up/α β", "Fitness"]
+    odd = uninterrupted.assign_coords(scenario=names).assign_attrs(
+        scenario_files=json.dumps(dict.fromkeys(names, text))
+    )
+    (tmp_path / "out").mkdir()
+    files = {file.name for file in write_report(odd, tmp_path / "out")}
+    assert {"up-α-β.png", "Fitness-2.png", "fitness.png"} <= files
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_a_scenario_that_cannot_be_drawn_is_told_and_the_rest_written(uninterrupted, tmp_path):
+    told = []
+    text = js.load_scenario("scenario-1").to_toml()
+    partly = uninterrupted.assign_attrs(scenario_files=json.dumps({"scenario-1": text}))
+    files = write_report(partly, tmp_path, told.append)
+    assert told == ["scenario-3.png is not drawn: the dataset does not hold scenario 'scenario-3'"]
+    assert tmp_path / "scenario-1.png" in files
+    assert np.isfinite(uninterrupted["fitness"]).all()

@@ -1,0 +1,82 @@
+"""Runs × scenarios in one program: what shares the batch does not matter, and it compiles once."""
+
+import jax
+import numpy as np
+import pytest
+
+import jaxsusp as js
+from jaxsusp.comparison.unit import stack_scenarios
+from jaxsusp.optim import batch
+from jaxsusp.optim.batch import run_batch
+from jaxsusp.optim.loop import run_key
+
+# Candidates keep their arithmetic whatever the shape of the batch; only XLA's choice of fused
+# multiply-adds may differ between programs, which is a few units in the last place of float32.
+TOLERANCE = 1e-5
+
+
+def stacked(scenarios):
+    (group,) = stack_scenarios(scenarios, 5, 40, "box")
+    return group.problems
+
+
+@pytest.fixture(scope="module")
+def programs(scenarios):
+    """Histories of the swarm and of SDBO on the last scenario, in batches of several shapes."""
+    found = {}
+    for make in (js.pso, js.sdbo):
+        both = run_batch(stacked([scenarios[0], scenarios[5]]), make(), 0, range(6), 40, 30)
+        few = run_batch(stacked([scenarios[0], scenarios[5]]), make(), 0, [4, 1], 40, 30)
+        alone = run_batch(stacked([scenarios[5]]), make(), 0, [4], 40, 30)
+        found[make().name] = both, few, alone
+    return found
+
+
+@pytest.mark.parametrize("name", ["pso", "sdbo"])
+def test_a_run_does_not_depend_on_what_shares_the_batch(programs, name):
+    """Fewer runs, another order, one device instead of two, one scenario instead of two."""
+    both, few, alone = programs[name]
+    np.testing.assert_allclose(few.history, both.history[:, [4, 1]], rtol=TOLERANCE)
+    np.testing.assert_allclose(alone.history[0], both.history[1, [4]], rtol=TOLERANCE)
+    assert np.isfinite(both.history).all()
+
+
+def test_one_compilation_serves_all_six_scenarios(scenarios):
+    """Stacked or one after the other, scenarios of one shape never compile twice."""
+    traces = []
+
+    def counted_step(key, problem, state):
+        traces.append(None)
+        return js.pso().step(key, problem, state)
+
+    optimizer = js.Optimizer("counted", js.pso().init, counted_step)
+    six = stacked(scenarios)
+    outcome = run_batch(six, optimizer, 0, range(2), 4, 6)
+    assert outcome.fitness.shape == (6, 2)
+    once = len(traces)
+    moved = jax.tree.map(lambda leaf: leaf[::-1].copy(), six)
+    again = run_batch(moved, optimizer, 1, range(2), 4, 6)
+    assert len(traces) == once
+    assert again.seconds_compile < outcome.seconds_compile
+    start, go = batch._programs(tuple(jax.devices()[:2]), 6, 4)
+    assert start._cache_size() == go._cache_size() == 1
+
+
+def test_the_search_is_in_single_precision_whatever_the_global_setting(scenarios):
+    problems = stacked(scenarios[:1])
+    assert jax.config.jax_enable_x64
+    inside = run_batch(problems, js.pso(), 0, range(2), 5, 6)
+    with jax.enable_x64(False):
+        outside = run_batch(problems, js.pso(), 0, range(2), 5, 6)
+    assert inside.x.dtype == outside.x.dtype == np.float32
+    np.testing.assert_array_equal(inside.history, outside.history)
+
+
+def test_keys_are_those_of_the_specification():
+    """fold_in(fold_in(key, fixed hash of the name), i)."""
+    import zlib
+
+    expected = jax.random.fold_in(
+        jax.random.fold_in(jax.random.key(7), zlib.crc32(b"sdbo-task")), 3
+    )
+    assert run_key(7, "sdbo-task", 3) == expected

@@ -1,0 +1,148 @@
+"""The planner: from a task to a verified plan, and what it says where there is none."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import jaxsusp as js
+from jaxsusp.optim.refine import refine
+from jaxsusp.planning import feasibility, steps, strategies
+
+SMALL = {"runs": 2, "iterations": 60, "population": 20}
+
+
+@pytest.fixture(scope="module")
+def events() -> list:
+    return []
+
+
+@pytest.fixture(scope="module")
+def plan(events) -> js.Plan:
+    return js.plan("scenario-1", "pso", seed=1, progress=events.append, **SMALL)
+
+
+def heavy(scenario: js.Scenario, mass: float) -> js.Scenario:
+    payload = scenario.payload.model_copy(update={"mass": mass})
+    return scenario.model_copy(update={"payload": payload})
+
+
+def test_a_plan_is_feasible_certified_and_says_how_it_was_found(plan, events):
+    assert plan.feasible
+    assert plan.certificate.proved
+    assert plan.clearance >= 0.05
+    assert plan.settings["algorithm"] == "pso"
+    assert plan.settings["seed"] == 1
+    assert plan.settings["tracked"]
+    assert plan.position.shape == (40, 3)
+    assert plan.joints.shape == (40, 3, 3)
+    terms = js.Problem.from_scenario(plan.scenario).terms(jnp.asarray(plan.waypoints.reshape(-1)))
+    assert plan.settings["fitness"] == pytest.approx(float(terms.total))
+    phases = {"mapping the free space", "searching", "checking"}
+    assert {event.phase for event in events} == phases
+
+
+def test_the_same_seed_gives_the_same_plan(plan):
+    again = js.plan("scenario-1", "pso", seed=1, **SMALL)
+    np.testing.assert_array_equal(again.waypoints, plan.waypoints)
+
+
+def test_without_success_the_best_attempt_comes_back_with_reasons(monkeypatch, plan):
+    """Every candidate is refused: the planner goes through its retries and says why."""
+    seen = []
+
+    def stubborn(searched, space, settings, waypoints, first, *_):
+        seen.append((waypoints, first))
+        through_the_wall = np.tile([-0.46, 0.46, 0.8], waypoints)
+        return np.stack([through_the_wall, through_the_wall + 0.1])
+
+    monkeypatch.setattr(strategies, "plan_load", stubborn)
+    failed = js.plan("scenario-1", "pso", retries=3, **SMALL)
+    assert not failed.feasible
+    assert any("low wall" in reason for reason in failed.reasons)
+    assert failed.settings["attempts"] == 4
+    assert len(seen) == 1 + 2 + 4 + 8  # batches double
+    assert len({first for _, first in seen}) == len(seen)  # and no run is made twice
+    assert [waypoints for waypoints, _ in seen] == [5] * 7 + [7] * 8  # more waypoints at last
+
+
+def test_a_feasible_plan_that_does_not_track_is_only_second_best(monkeypatch, plan):
+    verdicts = iter([False, True])
+    monkeypatch.setattr(steps, "tracks", lambda found: next(verdicts))
+    monkeypatch.setattr(
+        strategies, "plan_load",
+        lambda *_: np.stack([plan.waypoints.reshape(-1), plan.waypoints.reshape(-1) + 1e-3]),
+    )  # fmt: skip
+    found = js.plan("scenario-1", "pso", **SMALL)
+    assert found.settings["tracked"]
+    np.testing.assert_allclose(found.waypoints, plan.waypoints + 1e-3)
+
+
+def test_a_task_that_no_tensions_can_hold_is_told_before_any_search(scenarios, monkeypatch):
+    monkeypatch.setattr(steps, "run_batch", lambda *_: pytest.fail("searched"))
+    with pytest.raises(js.ImpossibleTaskError) as told:
+        js.plan(heavy(scenarios[0], 25.0))
+    message = str(told.value)
+    assert "at task.start (0, 2, 1) cable 1 would have 165.06 N" in message
+    assert "limits.tension[1] = 100 N" in message
+    assert "nowhere in the workspace" in message
+    for ends in ("given", "placed"):
+        with pytest.raises(js.ImpossibleTaskError, match=r"cannot lift it anywhere.*cable 1"):
+            js.plan(heavy(scenarios[0], 35.0), ends=ends)
+
+
+def test_ends_that_are_too_low_are_told_with_cable_and_place(scenarios):
+    content = scenarios[0].model_dump()
+    for robot in content["robots"]:
+        robot["end"] = (*np.multiply(robot["end"][:2], 1.0), 4.2)
+    low = js.Scenario.model_validate(content)
+    with pytest.raises(js.ImpossibleTaskError, match=r"task.goal \(0, -2, 3\) cable [23] would"):
+        feasibility.require_possible(low)
+    feasibility.require_possible(low, ends="placed")
+    feasibility.require_possible(scenarios[0])
+
+
+def test_ends_are_led_past_what_fixed_ones_cannot_pass():
+    """The straight way of the example, which no ends that stay can do."""
+    led = js.plan("hybrid", "pso", "placed", **SMALL)
+    assert led.feasible, led.reasons
+    assert led.ends.shape == (40, 3, 3)
+    np.testing.assert_allclose(led.position[:, 1], 0, atol=1e-6)
+    assert np.ptp(led.ends[:, 0, 2]) > 0.5  # robot 1 raises its end on the way
+    assert led.settings["fitness"] < 50  # no contact is counted
+
+
+def test_more_ends_than_can_be_led_are_told_before_any_search():
+    content = js.load_scenario("six-robots").model_dump() | {"drive": "hybrid"}
+    with pytest.raises(js.InputError, match="of at most 4 robots, got 6"):
+        js.plan(js.Scenario.model_validate(content), ends="placed")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"ends": "here"}, "ends = 'here'"),
+        ({"coordination": "joint"}, "joint"),
+        ({"retries": -1}, "retries = -1"),
+        ({"runs": 0}, "runs = 0"),
+        ({"samples": 2}, "samples = 2"),
+        ({"search": "cube"}, "search"),
+        ({"algorithm": "psp"}, "did you mean"),
+        ({"seed": -1}, "seed"),
+    ],
+)
+def test_bad_settings_are_refused_before_any_search(options, message):
+    with pytest.raises(js.InputError, match=message):
+        js.plan("scenario-1", **options)
+
+
+def test_refinement_improves_every_run_and_never_worsens_one():
+    def bowl(x):
+        return ((x - 0.3) ** 2).sum()
+
+    problem = js.Problem(bowl, -jnp.ones(6), jnp.ones(6))
+    start = np.array([[0.9] * 6, [-0.5] * 6, [0.3] * 6])
+    end = refine(problem, start, iterations=150, candidates=16)
+    before, after = (np.array([float(bowl(x)) for x in each]) for each in (start, end))
+    assert (after <= before).all()
+    assert (after[:2] < 1e-3).all()
+    np.testing.assert_array_equal(end[2], start[2])
