@@ -57,6 +57,8 @@ check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
+	$(BIN)/vulture
+	$(BIN)/python -m pytest tests/test_house.py
 
 format: setup
 	$(BIN)/ruff check --fix .

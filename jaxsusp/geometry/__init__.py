@@ -1,1 +1,1 @@
-"""Sect. 4.1: packed obstacles, segment tests and exact collision counts."""
+"""Sect. 4.1: packed obstacles, segments, cables (Eq. 2, 3) and exact collision counts."""

@@ -1,1 +1,1 @@
-"""Sect. 2: arms (Eq. 1), cables (2, 3), statics (4-7) and the stability factor (18)."""
+"""Sect. 2: arms (Eq. 1), statics (4-7), the stability factor (18), and the four drive modes."""

@@ -12,14 +12,14 @@ or sinks; *hybrid* lets the ends follow half of the load's way at their heights.
 (`coordination.leastvariance`) chooses better ends around these.
 """
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import jax.numpy as jnp
 
 from jaxsusp.geometry.cables import attachment
 from jaxsusp.vec3 import Vec3, component, norm, pack, safe_sqrt
 
-DRIVES = ("cable", "end", "base", "hybrid")
+Drive = Literal["cable", "end", "base", "hybrid"]
 HYBRID_SHARE = 0.5
 """Share of the load's horizontal way that the ends follow in mode "hybrid"."""
 
@@ -41,7 +41,7 @@ def ends_along(drive: str, position: Vec3, anchors: Anchors) -> Vec3:
     """Ends P_k for load positions: packed along the first axis, the positions' shape behind.
 
     Args:
-        drive: one of `DRIVES`.
+        drive: a `Drive`.
         position: the load's centre, any shape (m).
         anchors: load and ends at the start of the motion.
 

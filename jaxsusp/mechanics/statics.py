@@ -10,41 +10,6 @@ GRAVITY = 9.81
 """m/s², downwards."""
 
 
-def rotation(angles: Float[Array, "3"]) -> Float[Array, "3 3"]:
-    """R = Rz(α3) Ry(α2) Rx(α1), payload frame to world frame (Sect. 2.2), angles in rad."""
-    (c1, c2, c3), (s1, s2, s3) = jnp.cos(angles), jnp.sin(angles)
-    return jnp.stack(
-        [
-            jnp.stack([c2 * c3, s1 * s2 * c3 - s3 * c1, s2 * c1 * c3 + s1 * s3]),
-            jnp.stack([s3 * c2, s1 * s2 * s3 + c1 * c3, s2 * s3 * c1 - s1 * c3]),
-            jnp.stack([-s2, s1 * c2, c1 * c2]),
-        ]
-    )
-
-
-def structure_matrix(
-    position: Float[Array, "3"],
-    posture: Float[Array, "3 3"],
-    attachments: Float[Array, "cables 3"],
-    ends: Float[Array, "cables 3"],
-) -> Float[Array, "6 cables"]:
-    """Structure matrix with columns J_k = (u_k ; (R B'_k) × u_k) (Eq. 5).
-
-    Args:
-        position: centre of mass H (m).
-        posture: rotation R of the payload frame.
-        attachments: B'_k in the payload frame (m).
-        ends: P_k in the world frame (m).
-
-    Returns:
-        J: the upper three rows are dimensionless, the lower three in m.
-    """
-    arms = jnp.einsum("ij,kj->ki", posture, attachments)
-    cables = ends - arms - position[None, :]
-    directions = cables / jnp.linalg.norm(cables, axis=-1, keepdims=True)
-    return jnp.concatenate([directions, jnp.cross(arms, directions)], axis=-1).T
-
-
 def wrench(
     mass: Float[Array, ""],
     inertia: Float[Array, "3"],
@@ -115,12 +80,3 @@ def hook_tensions(vectors: list[Vec3], lengths: list[Array], force: Vec3) -> lis
         length * dot(force, facet) * per_volume
         for length, facet in zip(lengths, facets, strict=True)
     ]
-
-
-def moment_residual(attachment: Float[Array, "3"], force: Float[Array, "3"]) -> Float[Array, "3"]:
-    """Moment (N m) about the centre of mass that a hook cannot supply while the payload is level.
-
-    All cables pull at one point, so their moment is B' × F; it vanishes while the net force F is
-    vertical and the hook is above the centre of mass.
-    """
-    return jnp.cross(attachment, force)

@@ -72,8 +72,8 @@ class Optimizer:
     """
 
     name: str = field(metadata={"static": True})
-    init: Callable[..., Any]
-    step: Callable[..., tuple[Any, Any]]
+    init: Callable[..., State]
+    step: Callable[..., tuple[State, Any]]
 
     def __post_init__(self):
         for part in ("init", "step"):

@@ -20,6 +20,7 @@ from pydantic import (
 )
 
 from jaxsusp.geometry.meshes import MeshError, bounding_box
+from jaxsusp.mechanics.drives import Drive
 from jaxsusp.scenario.quantities import (
     Lengths,
     NonNegative,
@@ -201,7 +202,7 @@ class Statement(_Section):
     """What a scenario file states, table by table."""
 
     name: str = Field(min_length=1, description="a name in quotes")
-    drive: Literal["cable", "end", "base", "hybrid"] = Field(
+    drive: Drive = Field(
         default="cable", description='the drive mode, "cable", "end", "base" or "hybrid"'
     )
     payload: Payload = Field(description="a [payload] table with mass, radius and height")

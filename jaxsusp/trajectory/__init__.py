@@ -1,1 +1,1 @@
-"""Trajectories through waypoints: Makima interpolation."""
+"""Curves through waypoints (Makima), smooth paths, and time laws from rest to rest."""

@@ -1,5 +1,7 @@
 """The four drive modes by what each of them keeps, and how their violations count."""
 
+from typing import get_args
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 import jaxsusp as js
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.geometry.obstacles import pack
-from jaxsusp.mechanics.drives import DRIVES, HYBRID_SHARE, Anchors, bases_along
+from jaxsusp.mechanics.drives import HYBRID_SHARE, Anchors, Drive, bases_along
 from jaxsusp.scenario.world import build_world, cast_world
 from jaxsusp.suspension.level import ends_at
 from jaxsusp.suspension.reach import count_misplaced
@@ -29,7 +31,7 @@ def follow(scenario, way=WAY, drive="cable"):
     return rows[0], lengths, rows[1]
 
 
-@pytest.mark.parametrize("drive", DRIVES)
+@pytest.mark.parametrize("drive", get_args(Drive))
 def test_every_mode_starts_from_the_given_ends(scenarios, drive):
     ends, _, bases = follow(scenarios[0], WAY[:1], drive)
     np.testing.assert_allclose(

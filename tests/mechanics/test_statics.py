@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
-from jaxsusp.mechanics.statics import moment_residual, rotation, structure_matrix, wrench
+from jaxsusp.mechanics.posture.load import Load, Pose, rotation, structure_matrix
+from jaxsusp.mechanics.statics import wrench
 
 inside = st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(0.2, 5.5))
 
@@ -65,7 +66,10 @@ def test_structure_matrix_is_the_gradient_of_the_cable_lengths():
         (lengths(*(-h * e).reshape(2, 3)) - lengths(*(h * e).reshape(2, 3))) / (2 * h)
         for e in np.eye(6)
     ]
-    matrix = structure_matrix(*map(jnp.asarray, (position, posture, attachments, ends)))
+    nothing = np.zeros(3)
+    load = Load(*map(jnp.asarray, (1.0, nothing, nothing, attachments)))
+    pose = Pose(jnp.asarray(position), jnp.asarray(posture))
+    matrix = structure_matrix(pose, load, jnp.asarray(ends))
     np.testing.assert_allclose(matrix, gradient, atol=1e-8)
 
 
@@ -76,12 +80,12 @@ def test_wrench_holds_weight_and_inertia():
     np.testing.assert_allclose(found, [1, 2, 101.1, 1, 2, 3])
 
 
-def test_a_hook_leaves_a_moment_only_under_horizontal_acceleration():
-    hook = jnp.asarray([0.0, 0.0, 0.15])
-    np.testing.assert_array_equal(moment_residual(hook, jnp.asarray([0.0, 0.0, 98.1])), 0)
-    np.testing.assert_allclose(
-        moment_residual(hook, jnp.asarray([10.0, 0.0, 98.1])), [0, 1.5, 0], atol=1e-12
-    )
+def test_a_hook_leaves_a_moment_only_under_horizontal_acceleration(scenarios):
+    """10 kg at 1 m/s² sideways, 0.15 m below the hook."""
+    place, upwards, sideways = [0.0, 0.0, 2.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]
+    np.testing.assert_allclose(js.equilibrium(scenarios[0], place, upwards).moment, 0, atol=1e-12)
+    found = js.equilibrium(scenarios[0], place, sideways).moment
+    np.testing.assert_allclose(found, 1.5, atol=1e-12)
 
 
 def test_tensions_are_batched_and_follow_the_dtype(scenarios):

@@ -111,7 +111,9 @@ def test_a_benchmark_scenario_is_the_one_specified(number, count, task):
 
 def test_a_benchmark_file_states_every_value():
     for name in scenarios():
-        text = (files("jaxsusp") / f"data/scenarios/{name}.toml").read_text(encoding="utf-8")
+        text = (files("jaxsusp.scenario") / f"data/scenarios/{name}.toml").read_text(
+            encoding="utf-8"
+        )
         assert tomllib.loads(text) == tomllib.loads(load_scenario(name).to_toml())
 
 

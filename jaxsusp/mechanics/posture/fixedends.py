@@ -10,7 +10,14 @@ import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
-from jaxsusp.mechanics.posture.load import Load, Pose, imbalance, needed_wrench, relative, structure
+from jaxsusp.mechanics.posture.load import (
+    Load,
+    Pose,
+    imbalance,
+    needed_wrench,
+    relative,
+    structure_matrix,
+)
 
 _RIDGE = 1e-9
 """Weight of the distance from the middle of the range beside the balance: it decides between
@@ -25,7 +32,7 @@ class Supplied(NamedTuple):
     moment: Float[Array, "*batch"]  # ‖ρ_moment‖ about the centre of mass, N m
 
 
-def least_squares(pose: Pose, load: Load, ends: Float[Array, "cables xyz"]) -> Supplied:
+def least_squares_tensions(pose: Pose, load: Load, ends: Float[Array, "cables xyz"]) -> Supplied:
     """T = (JᵀJ)⁻¹ Jᵀ F without any limits, J and F with scaled moments (spec §3, §12 on Eq. 7).
 
     For cables that are not independent the shortest such T.
@@ -86,7 +93,7 @@ def nearest_in_range(
 def _scaled(pose: Pose, load: Load, ends: Array) -> tuple[Array, Array]:
     """J and F with rows in units of the weight and of the weight times the radius."""
     columns = jax.vmap(lambda column: relative(column, load), in_axes=1, out_axes=1)
-    return columns(structure(pose, load, ends)), relative(needed_wrench(pose, load), load)
+    return columns(structure_matrix(pose, load, ends)), relative(needed_wrench(pose, load), load)
 
 
 def _describe(tensions: Array, pose: Pose, load: Load, ends: Array) -> Supplied:

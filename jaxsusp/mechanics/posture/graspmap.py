@@ -46,12 +46,21 @@ def nearest_forces(
     return (flat + step).reshape(wished.shape)
 
 
-def internal_basis(pose: Pose, load: Load, rank: int) -> Float[Array, "forces internal"]:
-    """Orthonormal basis N of the internal forces, 3K - rank of them: G N = 0."""
+def internal_forces(pose: Pose, load: Load, rank: int) -> Float[Array, "forces internal"]:
+    """Orthonormal basis N of the cable forces that leave the load's balance as it is: G N = 0.
+
+    Args:
+        pose: of the load.
+        load: attachments and centre of mass.
+        rank: of the grasp map: 6, 5 with attachments on a line, 3 at a hook.
+
+    Returns:
+        3K - rank columns, each K forces in a row (dimensionless).
+    """
     return jnp.linalg.svd(grasp_map(pose, load))[2][rank:].T
 
 
-def ends_of(
+def ends_of_forces(
     forces: Float[Array, "cables xyz"],
     lengths: Float[Array, "cables"],
     pose: Pose,

@@ -88,7 +88,9 @@ def needed_wrench(pose: Pose, load: Load) -> Float[Array, "6"]:
     return jnp.concatenate([force, jnp.zeros_like(force)])
 
 
-def structure(pose: Pose, load: Load, ends: Float[Array, "cables xyz"]) -> Float[Array, "6 cables"]:
+def structure_matrix(
+    pose: Pose, load: Load, ends: Float[Array, "cables xyz"]
+) -> Float[Array, "6 cables"]:
     """Structure matrix J about the centre of mass, columns (u_k ; R(B'_k - c) × u_k) (Eq. 5)."""
     units, _ = cables_at(pose, load, ends)
     arms = arms_of(pose, load)
@@ -99,7 +101,7 @@ def imbalance(
     pose: Pose, tensions: Float[Array, "cables"], load: Load, ends: Float[Array, "cables xyz"]
 ) -> Float[Array, "6"]:
     """ρ = J T - F: what the cables supply too much, force (N) and moment (N m)."""
-    return structure(pose, load, ends) @ tensions - needed_wrench(pose, load)
+    return structure_matrix(pose, load, ends) @ tensions - needed_wrench(pose, load)
 
 
 def relative(wrench: Float[Array, "6"], load: Load) -> Float[Array, "6"]:
@@ -111,6 +113,18 @@ def relative(wrench: Float[Array, "6"], load: Load) -> Float[Array, "6"]:
     length = jnp.where(load.radius > 0, load.radius, 1)
     unit = load.weight * jnp.stack([jnp.ones_like(length)] * 3 + [length] * 3)
     return wrench / unit
+
+
+def rotation(angles: Float[Array, "3"]) -> Float[Array, "3 3"]:
+    """R = Rz(α3) Ry(α2) Rx(α1), payload frame to world frame (Sect. 2.2), angles in rad."""
+    (c1, c2, c3), (s1, s2, s3) = jnp.cos(angles), jnp.sin(angles)
+    return jnp.stack(
+        [
+            jnp.stack([c2 * c3, s1 * s2 * c3 - s3 * c1, s2 * c1 * c3 + s1 * s3]),
+            jnp.stack([s3 * c2, s1 * s2 * s3 + c1 * c3, s2 * s3 * c1 - s1 * c3]),
+            jnp.stack([-s2, s1 * c2, c1 * c2]),
+        ]
+    )
 
 
 def angles(posture: Float[Array, "xyz 3"]) -> Float[Array, "3"]:

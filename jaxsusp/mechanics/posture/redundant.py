@@ -19,7 +19,14 @@ from jaxsusp.mechanics.posture.equilibrium import (
     Equilibrium,
 )
 from jaxsusp.mechanics.posture.fixedends import bounded_least_squares
-from jaxsusp.mechanics.posture.load import Load, Pose, cables_at, imbalance, relative, structure
+from jaxsusp.mechanics.posture.load import (
+    Load,
+    Pose,
+    cables_at,
+    imbalance,
+    relative,
+    structure_matrix,
+)
 
 _STEPS = 15
 _SHORTENINGS = 5
@@ -119,4 +126,4 @@ def _polish(pose: Pose, tensions: Array, residual, low: Array, high: Array) -> t
 
 def _scaled_structure(pose: Pose, load: Load, ends: Array) -> Array:
     columns = jax.vmap(lambda column: relative(column, load), in_axes=1, out_axes=1)
-    return columns(structure(pose, load, ends))
+    return columns(structure_matrix(pose, load, ends))

@@ -13,8 +13,8 @@ from suspensions import hang_all, load_of, settle_all, stiffness_all
 
 import jaxsusp as js
 from jaxsusp.mechanics.posture.equilibrium import CONVERGED
-from jaxsusp.mechanics.posture.fixedends import bounded_least_squares, least_squares
-from jaxsusp.mechanics.posture.load import Pose, angles, cables_at, structure, tilt
+from jaxsusp.mechanics.posture.fixedends import bounded_least_squares, least_squares_tensions
+from jaxsusp.mechanics.posture.load import Pose, angles, cables_at, structure_matrix, tilt
 from jaxsusp.mechanics.posture.potential import energy, stiffness
 from jaxsusp.mechanics.posture.redundant import hang_within
 from jaxsusp.suspension.hanging import hanging_trouble
@@ -113,7 +113,7 @@ def published() -> Published:
 
 
 def test_published_tensions_are_those_of_the_given_poses(published):
-    found = jax.vmap(least_squares, in_axes=(0, None, 0))(
+    found = jax.vmap(least_squares_tensions, in_axes=(0, None, 0))(
         Pose(published.position, published.posture), published.load, published.ends
     )
     np.testing.assert_allclose(found.tensions, published.tensions, atol=1e-4)
@@ -279,7 +279,7 @@ def test_bounded_least_squares_is_scipy_s():
         )
         found = solve(place)
         for i, p in enumerate(place):
-            matrix = np.asarray(structure(Pose(p, jnp.eye(3)), load, ends))
+            matrix = np.asarray(structure_matrix(Pose(p, jnp.eye(3)), load, ends))
             unit = 98.1 * np.array([1] * 3 + [float(load.radius)] * 3)
             scaled, needed = matrix / unit[:, None], np.array([0, 0, 1, 0, 0, 0])
             best = lsq_linear(scaled, needed, (20, 40), tol=1e-14).cost
@@ -294,8 +294,8 @@ def test_a_level_pose_of_separate_attachments_leaves_a_moment():
     """The least squares of 6×3 is reported with what it cannot balance (spec §3, §12)."""
     load, ends = load_of(ring(3, 0.1, 0.15)), jnp.asarray(ring(3, 6, 7.0))
     pose = Pose(jnp.asarray([1.0, 0.5, 2.0]), jnp.eye(3))
-    found = least_squares(pose, load, ends)
-    matrix = np.asarray(structure(pose, load, ends))
+    found = least_squares_tensions(pose, load, ends)
+    matrix = np.asarray(structure_matrix(pose, load, ends))
     unit = np.array([1] * 3 + [float(load.radius)] * 3)
     scaled, needed = matrix / unit[:, None], np.array([0, 0, 98.1, 0, 0, 0])
     expected = np.linalg.inv(scaled.T @ scaled) @ scaled.T @ needed  # (JᵀJ)⁻¹ JᵀF
