@@ -18,9 +18,10 @@ from benchmarks.steps import evaluations_only
 from benchmarks.timing import least_seconds, run_process
 from jaxsusp.comparison.unit import Group, stack_scenarios
 from jaxsusp.optim.batch import run_batch
+from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.optim.devices import configure, cores
 from jaxsusp.optim.loop import count_evaluations
-from jaxsusp.optim.registry import PUBLISHED, algorithm
+from jaxsusp.optim.registry import algorithm
 from jaxsusp.problem.problem import Problem
 from jaxsusp.scenario.builtin import scenarios
 from jaxsusp.scenario.scenario import load_scenario

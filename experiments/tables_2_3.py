@@ -14,8 +14,8 @@ from rich.console import Console
 
 import jaxsusp as js
 from jaxsusp.coordination.ends import Placement, encode, end_problem, evaluate_ends
+from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.optim.devices import configure
-from jaxsusp.optim.registry import PUBLISHED
 from jaxsusp.report.render import Column, to_rich
 
 RUNS, ITERATIONS, POPULATION, SEED = 4, 200, 30, 0

@@ -23,18 +23,18 @@ from .errors import ScenarioError as ScenarioError
 from .freespace.build import free_space as free_space
 from .freespace.space import FreeSpace as FreeSpace
 from .freespace.space import load_free_space as load_free_space
-
-# statics of a load at any pose: Eq. 5 to 7
-from .mechanics.posture.fixedends import least_squares_tensions as least_squares_tensions
 from .mechanics.posture.graspmap import ends_of_forces as ends_of_forces
 from .mechanics.posture.graspmap import grasp_map as grasp_map
 from .mechanics.posture.graspmap import internal_forces as internal_forces
 from .mechanics.posture.graspmap import nearest_forces as nearest_forces
+
+# statics of a load at any pose: Eq. 5 to 7
+from .mechanics.posture.leastsquares import least_squares_tensions as least_squares_tensions
 from .mechanics.posture.load import Load as Load
 from .mechanics.posture.load import Pose as Pose
 from .mechanics.posture.load import rotation as rotation
-from .mechanics.posture.load import structure_matrix as structure_matrix
-from .mechanics.statics import wrench as wrench
+from .mechanics.posture.structure import structure_matrix as structure_matrix
+from .mechanics.posture.structure import wrench as wrench
 
 # optimisers
 from .optim.algorithms.dbo import dbo as dbo

@@ -5,6 +5,9 @@ import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+
+from jaxsusp.errors import InputError
 
 
 @contextmanager
@@ -43,6 +46,24 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write UTF-8 text to `path` atomically."""
     with atomic_path(path) as scratch:
         scratch.write_text(text, encoding="utf-8")
+
+
+def write_netcdf(dataset: Any, path: str | os.PathLike[str]) -> None:
+    """Write an xarray dataset as NetCDF-4, atomically; its folder is created where missing.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_path(path) as scratch:
+            dataset.to_netcdf(scratch, engine="h5netcdf")
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); free space there or choose "
+            "another folder"
+        ) from error
 
 
 def _flush(path: Path) -> None:

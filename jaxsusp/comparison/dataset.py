@@ -19,7 +19,7 @@ import jax
 import numpy as np
 import xarray as xr
 
-from jaxsusp._files import atomic_path
+from jaxsusp._files import write_netcdf
 from jaxsusp.errors import InputError
 from jaxsusp.optim.devices import cores
 
@@ -237,16 +237,7 @@ def save_results(ds: xr.Dataset, path: str | os.PathLike[str]) -> None:
     Raises:
         InputError: the place cannot be written.
     """
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_path(path) as scratch:
-            ds.to_netcdf(scratch, engine="h5netcdf")
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be written ({error.strerror or error}); free space there or choose "
-            "another folder"
-        ) from error
+    write_netcdf(ds, path)
 
 
 def load_results(path: str | os.PathLike[str]) -> xr.Dataset:

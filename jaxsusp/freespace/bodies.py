@@ -10,21 +10,20 @@ sphere (for cables) by the polyhedron of 162 tangent planes, up to 1.9 % of its 
 """
 
 import functools
-from collections.abc import Iterator
 from itertools import product
 from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
-from jaxsusp.errors import InputError
-from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points, nearest_point
+from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points
+from jaxsusp.freespace.shadows import shadows
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
 from jaxsusp.geometry.meshes import bounding_box, hull_points
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import attachments_of, warning_shape
+from jaxsusp.scenario.world import warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
@@ -65,7 +64,7 @@ def obstacle_bodies(scenario: Scenario, obstacle: Any, name: str) -> list[Body]:
         return [around_load]
     thin = shape.cable_radius + clear
     around_cable = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
-    return [around_load, *_shadows(scenario, around_cable)]
+    return [around_load, *shadows(scenario, around_cable)]
 
 
 def domain_of(scenario: Scenario) -> HalfSpaces:
@@ -88,34 +87,6 @@ def _below(ends: Points) -> HalfSpaces:
     hull = ConvexHull(np.concatenate([ends, deep])).equations
     hull = np.unique(hull[hull[:, 2] > -1e-9].round(12), axis=0)  # all faces but the bottom
     return HalfSpaces(hull[:, :3], -hull[:, 3])
-
-
-def _shadows(scenario: Scenario, body: Body) -> Iterator[Body]:
-    """The load positions at which each cable meets a body, {P + s (o - P) - B' : s >= 1}.
-
-    Cut off beyond the workspace, a shadow is the hull of the body's corners and of the same
-    corners pushed away from the end.
-    """
-    corners = np.array(
-        [*product(*np.transpose([scenario.workspace.lower, scenario.workspace.upper]))]
-    )
-    rows = zip(scenario.robots, attachments_of(scenario), strict=True)
-    for k, (robot, attachment) in enumerate(rows):
-        end = np.array(robot.end)
-        scale = float(np.linalg.norm(body.corners[0] - end)) or 1.0
-        nearest = nearest_point(body.faces, end, scale).point
-        distance = 0.0 if nearest is None else float(np.linalg.norm(nearest - end))
-        if distance < 1e-6:
-            raise InputError(
-                f"robots[{k}].end = {list(robot.end)} is in the warning area of {body.name}; "
-                "move the end or the obstacle"
-            )
-        farthest = np.linalg.norm(corners + attachment - end, axis=1).max()
-        push = max(1.0, farthest / distance) * 1.01
-        pushed = end + push * (body.corners - end)
-        yield Body.hull(
-            f"{body.name} (cable {k + 1})", np.concatenate([body.corners, pushed]) - attachment
-        )
 
 
 def _inflated(obstacle: Any, across: float, up: float, ball: bool) -> Points:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Bool, Float, Int
 
-from jaxsusp._files import atomic_path
+from jaxsusp._files import write_netcdf
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.ellipsoid import Ellipsoid
 from jaxsusp.freespace.graph import center, polyline_length
@@ -104,20 +104,12 @@ class FreeSpace:
         return inside
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write one NetCDF-4 file, atomically.
+        """Write one NetCDF-4 file, atomically; `load_free_space` reads it back exactly.
 
         Raises:
             InputError: the place cannot be written.
         """
-        path = Path(path)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with atomic_path(path) as scratch:
-                _to_dataset(self).to_netcdf(scratch, engine="h5netcdf")
-        except OSError as error:
-            raise InputError(
-                f"{path}: cannot be written ({error.strerror or error}); choose another place"
-            ) from error
+        write_netcdf(_to_dataset(self), path)
 
 
 def assemble(regions: list[Region], **others: Any) -> FreeSpace:

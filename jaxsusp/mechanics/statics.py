@@ -2,29 +2,12 @@
 
 import jax.numpy as jnp
 
-from jaxsusp._types import Array, Float
+from jaxsusp._types import Array
 from jaxsusp.mechanics.distribution import distribute
 from jaxsusp.vec3 import Vec3, cross, dot
 
 GRAVITY = 9.81
 """m/s², downwards."""
-
-
-def wrench(
-    mass: Float[Array, ""],
-    inertia: Float[Array, "3"],
-    acceleration: Float[Array, "3"],
-    angular_acceleration: Float[Array, "3"],
-    gravity: float | Float[Array, "3"] = GRAVITY,
-) -> Float[Array, "6"]:
-    """F = (m ẍ, m ÿ, m z̈ + m g ; I α̈) that the cables must supply (Eq. 6), N and N m.
-
-    The inertia is per axis: the printed I_x α̈₂ equals I_y α̈₂ for an upright cylinder (spec §12).
-    Gravity is its magnitude if it points downwards, else the vector, such as (0, 0, -9.81).
-    """
-    vector = jnp.asarray(gravity, acceleration.dtype)
-    weight = -vector if vector.ndim else jnp.zeros_like(acceleration).at[2].set(vector)
-    return jnp.concatenate([mass * (acceleration + weight), inertia * angular_acceleration])
 
 
 def weight(mass: Array) -> Vec3:

@@ -111,6 +111,12 @@ class Rigging:
         given = np.array([robot.end for robot in self.scenario.robots], np.float64)
         return ends - (given - self.bases)
 
+    def shoulders_at(
+        self, ends: Float[np.ndarray, "times cables xyz"]
+    ) -> Float[np.ndarray, "times cables xyz"]:
+        """Tops of the columns that go with ends (m)."""
+        return self.bases_at(ends) + self.links[:, :1] * np.array([0.0, 0.0, 1.0])
+
     def joints_at(
         self, ends: Float[np.ndarray, "times cables xyz"]
     ) -> Float[np.ndarray, "times cables joints"]:

@@ -228,7 +228,7 @@ class _Search:
             np.stack(each, axis=1)
             for each in zip(*(track.bounds(low, high) for track in tracks), strict=True)
         )
-        moved, shoulders = speeds * half[:, None], self._company.shoulders
+        moved, shoulders = speeds * half[:, None], rig.shoulders_at(ends)
         elbows = elbow_speed(shoulders, rig.links, ends, moved, speeds)
         return _Motion(self._company.rates(velocity, rates), speed, bend, speeds, bends, elbows)
 

@@ -127,12 +127,6 @@ class Company:
         """Which points move."""
         return (self.along != 0) | (self.share != 0) | (self.elbow_of >= 0)
 
-    @property
-    def shoulders(self) -> Float[np.ndarray, "cables xyz"]:
-        """Tops of the columns where the bases stay (m)."""
-        rig = self.rigging
-        return rig.bases + rig.links[:, :1] * np.array([0.0, 0.0, 1.0])
-
     def locate(
         self, center: Float[np.ndarray, "rows xyz"], ends: Float[np.ndarray, "rows cables xyz"]
     ) -> Float[np.ndarray, "rows points xyz"]:
@@ -140,7 +134,7 @@ class Company:
         found = self.rates(center, ends) + self._constant
         rig, elbows = self.rigging, np.flatnonzero(self.elbow_of >= 0)
         if len(elbows):
-            known = elbow(self.shoulders, rig.links, ends, rig.elbow_up)
+            known = elbow(rig.shoulders_at(ends), rig.links, ends, rig.elbow_up)
             found[:, elbows] = known[:, self.elbow_of[elbows]]
         return found
 

@@ -10,7 +10,7 @@ from jaxsusp._types import Bool, Float
 
 
 def elbow(
-    shoulder: Float[np.ndarray, "cables xyz"],
+    shoulder: Float[np.ndarray, "*#times cables xyz"],
     links: Float[np.ndarray, "cables joints"],
     ends: Float[np.ndarray, "times cables xyz"],
     up: Bool[np.ndarray, "cables"],
@@ -33,7 +33,7 @@ def elbow(
 
 
 def elbow_speed(
-    shoulder: Float[np.ndarray, "cables xyz"],
+    shoulder: Float[np.ndarray, "*#times cables xyz"],
     links: Float[np.ndarray, "cables joints"],
     ends: Float[np.ndarray, "times cables xyz"],
     moved: Float[np.ndarray, "times cables"],

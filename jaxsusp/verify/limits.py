@@ -222,9 +222,8 @@ def _task(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list[C
 def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check]:
     """Reach and joint angles of every robot, each where it is nearest to its limits."""
     checks, scenario = [], rigging.scenario
-    bases, joints = rigging.bases_at(ends), np.rad2deg(rigging.joints_at(ends))
-    shoulders = bases + rigging.links[:, :1] * np.array([0.0, 0.0, 1.0])
-    distance = np.linalg.norm(ends - shoulders, axis=-1)
+    joints = np.rad2deg(rigging.joints_at(ends))
+    distance = np.linalg.norm(ends - rigging.shoulders_at(ends), axis=-1)
     near, far = np.abs(rigging.links[:, 1] - rigging.links[:, 2]), rigging.links[:, 1:].sum(axis=1)
 
     def worst(name, values, low, high, unit, k) -> Check:

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
-from jaxsusp.mechanics.posture.load import Load, Pose, rotation, structure_matrix
-from jaxsusp.mechanics.statics import wrench
+from jaxsusp.mechanics.posture.load import Load, Pose, rotation
+from jaxsusp.mechanics.posture.structure import structure_matrix, wrench
 
 inside = st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(0.2, 5.5))
 

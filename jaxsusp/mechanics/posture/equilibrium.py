@@ -15,7 +15,8 @@ import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
-from jaxsusp.mechanics.posture.load import Load, Pose, cables_at, imbalance, needed_wrench, relative
+from jaxsusp.mechanics.posture.load import Load, Pose, cables_at
+from jaxsusp.mechanics.posture.structure import imbalance, needed_wrench, relative
 
 CONVERGED, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 """Result codes: balanced, best found but not balanced, no numbers at all."""

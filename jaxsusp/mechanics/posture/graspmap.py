@@ -11,7 +11,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float
-from jaxsusp.mechanics.posture.load import Load, Pose, arms_of, lower_ends, needed_wrench, skew
+from jaxsusp.mechanics.posture.load import Load, Pose, arms_of, lower_ends, skew
+from jaxsusp.mechanics.posture.structure import needed_wrench
 
 
 def grasp_map(pose: Pose, load: Load) -> Float[Array, "6 forces"]:

@@ -79,42 +79,6 @@ def cables_at(
     return vectors / lengths[:, None], lengths
 
 
-def needed_wrench(pose: Pose, load: Load) -> Float[Array, "6"]:
-    """Force (N) and moment about the centre of mass (N m) the cables must supply at rest.
-
-    With an acceleration a of the centre of mass the same holds for the apparent gravity g - a.
-    """
-    force = -load.mass * load.gravity
-    return jnp.concatenate([force, jnp.zeros_like(force)])
-
-
-def structure_matrix(
-    pose: Pose, load: Load, ends: Float[Array, "cables xyz"]
-) -> Float[Array, "6 cables"]:
-    """Structure matrix J about the centre of mass, columns (u_k ; R(B'_k - c) × u_k) (Eq. 5)."""
-    units, _ = cables_at(pose, load, ends)
-    arms = arms_of(pose, load)
-    return jnp.concatenate([units, jnp.cross(arms, units)], axis=-1).T
-
-
-def imbalance(
-    pose: Pose, tensions: Float[Array, "cables"], load: Load, ends: Float[Array, "cables xyz"]
-) -> Float[Array, "6"]:
-    """ρ = J T - F: what the cables supply too much, force (N) and moment (N m)."""
-    return structure_matrix(pose, load, ends) @ tensions - needed_wrench(pose, load)
-
-
-def relative(wrench: Float[Array, "6"], load: Load) -> Float[Array, "6"]:
-    """A wrench in units of the weight and of the weight times the largest attachment radius.
-
-    Only so may forces and moments be mixed in one norm. A load hung by its centre of mass has no
-    radius and no moments; its unit of length is 1 m.
-    """
-    length = jnp.where(load.radius > 0, load.radius, 1)
-    unit = load.weight * jnp.stack([jnp.ones_like(length)] * 3 + [length] * 3)
-    return wrench / unit
-
-
 def rotation(angles: Float[Array, "3"]) -> Float[Array, "3 3"]:
     """R = Rz(α3) Ry(α2) Rx(α1), payload frame to world frame (Sect. 2.2), angles in rad."""
     (c1, c2, c3), (s1, s2, s3) = jnp.cos(angles), jnp.sin(angles)

@@ -107,8 +107,7 @@ def _ways(plan: Plan) -> dict[str, Any]:
 
 def _from_shoulders(plan: Plan, ends: np.ndarray) -> np.ndarray:
     """Distances of ends from their shoulders (m)."""
-    up = plan.rigging.links[:, :1] * np.array([0.0, 0.0, 1.0])
-    return np.linalg.norm(ends - plan.rigging.bases_at(ends) - up, axis=-1)
+    return np.linalg.norm(ends - plan.rigging.shoulders_at(ends), axis=-1)
 
 
 def simulation_table(simulation: Simulation, limits: Limits) -> pd.DataFrame:

@@ -13,7 +13,8 @@ from jaxsusp.mechanics.posture.graspmap import (
     nearest_forces,
     rank,
 )
-from jaxsusp.mechanics.posture.load import Pose, cables_at, imbalance, structure_matrix
+from jaxsusp.mechanics.posture.load import Pose, cables_at
+from jaxsusp.mechanics.posture.structure import imbalance, structure_matrix
 
 RIM = np.array([[0.2, 0, 0.15], [-0.1, 0.17, 0.15], [-0.1, -0.17, 0.1]])
 FOUR = np.vstack([RIM, [0.05, 0.1, -0.1]])

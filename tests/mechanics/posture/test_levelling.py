@@ -9,7 +9,8 @@ from suspensions import load_of
 import jaxsusp as js
 from jaxsusp.mechanics.posture.graspmap import nearest_forces
 from jaxsusp.mechanics.posture.levelling import level_ends
-from jaxsusp.mechanics.posture.load import Pose, imbalance
+from jaxsusp.mechanics.posture.load import Pose
+from jaxsusp.mechanics.posture.structure import imbalance
 from jaxsusp.scenario.world import build_world, cast_world
 from jaxsusp.suspension.level import ends_at, tensions_at
 from jaxsusp.vec3 import Vec3

@@ -10,14 +10,8 @@ import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
-from jaxsusp.mechanics.posture.load import (
-    Load,
-    Pose,
-    imbalance,
-    needed_wrench,
-    relative,
-    structure_matrix,
-)
+from jaxsusp.mechanics.posture.load import Load, Pose
+from jaxsusp.mechanics.posture.structure import imbalance, needed_wrench, relative, structure_matrix
 
 _RIDGE = 1e-9
 """Weight of the distance from the middle of the range beside the balance: it decides between
