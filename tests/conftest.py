@@ -12,16 +12,20 @@ import jaxsusp as js
 from jaxsusp import cli
 from jaxsusp.optim import devices
 
+# What takes long is done once per session, by whichever process needs it first: free spaces, and
+# compilations. Neither is found in, or left to, a person's own cache.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    _cache = tempfile.TemporaryDirectory(prefix="jaxsusp-cache-")
+    os.environ["JAXSUSP_CACHE"] = _cache.name
+    os.environ["JAX_COMPILATION_CACHE_DIR"] = f"{_cache.name}/compiled"  # of subprocesses as well
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.3"
+
+jax.config.update("jax_compilation_cache_dir", os.environ["JAX_COMPILATION_CACHE_DIR"])
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.3)
 jax.config.update("jax_num_cpu_devices", 2)
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 jax.config.update("jax_numpy_rank_promotion", "raise")
-
-# Free spaces are computed once per session, by whichever process needs one first, and never found
-# in a person's own cache.
-if "PYTEST_XDIST_WORKER" not in os.environ:
-    _cache = tempfile.TemporaryDirectory(prefix="jaxsusp-cache-")
-    os.environ["JAXSUSP_CACHE"] = _cache.name
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points
 from jaxsusp.freespace.shadows import shadows
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
-from jaxsusp.geometry.meshes import bounding_box, hull_points
+from jaxsusp.geometry.meshes import hull_points
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
@@ -101,16 +101,13 @@ def _inflated(obstacle: Any, across: float, up: float, ball: bool) -> Points:
     center = np.array(obstacle.center)
     grown = np.array([across, across, up])
     match obstacle.kind:
-        case "box":
-            local = _SIGNS * (np.array(obstacle.size) / 2 + grown)
-            return center + _turned(local, obstacle.yaw_deg)
         case "mesh" if obstacle.shape == "hull":
             points = hull_points(obstacle.path, obstacle.scale)
             local = (points[:, None] + _SIGNS * grown).reshape(-1, 3)
             return center + _turned(local, obstacle.yaw_deg)
-        case "mesh":
-            half = bounding_box(obstacle.path, obstacle.scale) / 2
-            return center + _turned(_SIGNS * (half + grown), obstacle.yaw_deg)
+        case "box" | "mesh":
+            local = _SIGNS * (np.array(obstacle.size) / 2 + grown)
+            return center + _turned(local, obstacle.yaw_deg)
         case "cylinder":
             return center + _prism(obstacle.radius + across, obstacle.height / 2 + up)
         case "sphere" if ball:

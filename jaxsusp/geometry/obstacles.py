@@ -1,13 +1,21 @@
 """Obstacles as arrays, packed per kind so that scenarios of different contents stack (spec §5).
 
-Every kind is padded to a fixed count; `active` is False for the padding, which never counts.
+Every kind is padded to a fixed count; `active` is False for the padding, which never counts. Each
+kind tells which segments meet its bodies inflated by a margin, exactly but for an inflated corner;
+arrays of segments and of bodies broadcast.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from jaxsusp._types import Array, Bool, Float
+from jaxsusp.geometry.segments import (
+    segment_meets_box,
+    segment_meets_cylinder,
+    segment_meets_sphere,
+)
 from jaxsusp.vec3 import Vec3
 
 
@@ -28,6 +36,11 @@ class Boxes(NamedTuple):
         """World direction → this box's frame."""
         return vector.rotate_z(self.cos_yaw, -self.sin_yaw)
 
+    def met_by(self, a: Vec3, b: Vec3, margin: Array) -> Bool[Array, "..."]:
+        """Which segments a-b come within a margin (m)."""
+        half = self.half + Vec3(margin, margin, margin)
+        return self.active & segment_meets_box(self.to_own_frame(a), self.to_own_frame(b), half)
+
 
 class Cylinders(NamedTuple):
     """Vertical cylinders (m)."""
@@ -37,6 +50,11 @@ class Cylinders(NamedTuple):
     half_height: Float[Array, "*stack cylinders"]
     active: Bool[Array, "*stack cylinders"]
 
+    def met_by(self, a: Vec3, b: Vec3, margin: Array) -> Bool[Array, "..."]:
+        """Which segments a-b come within a margin (m)."""
+        size = self.radius + margin, self.half_height + margin
+        return self.active & segment_meets_cylinder(a - self.center, b - self.center, *size)
+
 
 class Spheres(NamedTuple):
     """Spheres (m)."""
@@ -44,6 +62,11 @@ class Spheres(NamedTuple):
     center: Vec3
     radius: Float[Array, "*stack spheres"]
     active: Bool[Array, "*stack spheres"]
+
+    def met_by(self, a: Vec3, b: Vec3, margin: Array) -> Bool[Array, "..."]:
+        """Which segments a-b come within a margin (m)."""
+        radius = self.radius + margin
+        return self.active & segment_meets_sphere(a - self.center, b - self.center, radius)
 
 
 class Obstacles(NamedTuple):
@@ -54,17 +77,17 @@ class Obstacles(NamedTuple):
     spheres: Spheres
 
     @property
-    def counts(self) -> tuple[int, int, int]:
-        """Padded number of boxes, cylinders and spheres (per scenario where stacked)."""
-        return (
-            self.boxes.active.shape[-1],
-            self.cylinders.active.shape[-1],
-            self.spheres.active.shape[-1],
-        )
+    def counts(self) -> tuple[int, ...]:
+        """Padded number of every kind (per scenario where stacked)."""
+        return tuple(kind.active.shape[-1] for kind in self)
+
+
+KINDS = Obstacles._fields
+"""Kinds of packed obstacles, in the order of everything that is counted or given per kind."""
 
 
 def pack(
-    boxes: np.ndarray, cylinders: np.ndarray, spheres: np.ndarray, counts: tuple[int, int, int]
+    boxes: np.ndarray, cylinders: np.ndarray, spheres: np.ndarray, counts: Sequence[int]
 ) -> Obstacles:
     """Pack obstacles given one per row into float64 host arrays, padded to `counts`.
 
@@ -72,7 +95,7 @@ def pack(
         boxes: rows (x, y, z, half x, half y, half z, yaw), m and rad.
         cylinders: rows (x, y, z, radius, half-height), m.
         spheres: rows (x, y, z, radius), m.
-        counts: padded number of each kind, at least the number of rows.
+        counts: padded number of each of `KINDS`, at least the number of rows.
     """
     box, box_active = _padded(boxes, 7, counts[0])
     cylinder, cylinder_active = _padded(cylinders, 5, counts[1])

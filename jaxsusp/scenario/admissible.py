@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp.geometry.collisions import Bodies, count_collisions
+from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.mechanics.arm import reach, reachable, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
 from jaxsusp.scenario.messages import numbered, sentence
@@ -151,7 +152,7 @@ def _in_contact(scenario: Statement) -> Iterator[str]:
     for i, obstacle in enumerate(scenario.obstacles):
         warning_area = f"the warning area of {numbered('obstacles', i, obstacle.name)}"
         alone = scenario.model_copy(update={"obstacles": (obstacle,)})
-        load, *cables = _contacts(build_world(alone, counts=(1, 1, 1)))
+        load, *cables = _contacts(build_world(alone, counts=[1] * len(KINDS)))
         for at, (place, point) in enumerate(_places(scenario)):
             if load[at]:
                 wrong = f"puts the load into {warning_area}"

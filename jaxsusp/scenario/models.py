@@ -178,6 +178,12 @@ class Mesh(_Section):
         """The file, absolute."""
         return Path(self.file)
 
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Full size of its bounding box (m)."""
+        x, y, z = bounding_box(self.path, self.scale).tolist()
+        return x, y, z
+
 
 def _three_or_more(robots: tuple[Robot, ...]) -> tuple[Robot, ...]:
     if len(robots) < 3:

@@ -15,8 +15,7 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.collisions import Bodies
-from jaxsusp.geometry.meshes import bounding_box
-from jaxsusp.geometry.obstacles import Obstacles, pack
+from jaxsusp.geometry.obstacles import KINDS, Obstacles, pack
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import Load
 from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
@@ -98,26 +97,22 @@ class World(NamedTuple):
         return Load(self.mass, gravity, self.center_of_mass.to_array(), rows)
 
 
-def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, int, int]:
-    """Least padded (boxes, cylinders, spheres) that hold every one of the scenarios."""
-    kinds = [_by_kind(scenario) for scenario in scenarios]
-    boxes, cylinders, spheres = (max(map(len, rows)) for rows in zip(*kinds, strict=True))
-    return boxes, cylinders, spheres
+def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, ...]:
+    """Least padded number of every kind (`KINDS`) that holds every one of the scenarios."""
+    rows = [_by_kind(scenario) for scenario in scenarios]
+    return tuple(max(len(each[kind]) for each in rows) for kind in KINDS)
 
 
-def rounded_counts(scenario: Statement) -> tuple[int, int, int]:
-    """Padded (boxes, cylinders, spheres), each a power of two from 2 up.
+def rounded_counts(scenario: Statement) -> tuple[int, ...]:
+    """Padded number of every kind, each a power of two from 2 up.
 
     For programs that meet one scenario after the other: those of about the same size share the
     compiled program.
     """
-    boxes, cylinders, spheres = (
-        2 ** max(1, (count - 1).bit_length()) for count in obstacle_counts([scenario])
-    )
-    return boxes, cylinders, spheres
+    return tuple(2 ** max(1, (count - 1).bit_length()) for count in obstacle_counts([scenario]))
 
 
-def build_world(scenario: Statement, counts: tuple[int, int, int] | None = None) -> World:
+def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> World:
     """Scenario → World, float64 on the host, obstacles padded to `counts` (default: no padding)."""
     payload, limits, robots = scenario.payload, scenario.limits, scenario.robots
     attachments = (
@@ -134,14 +129,13 @@ def build_world(scenario: Statement, counts: tuple[int, int, int] | None = None)
         attachments=_vector(attachments),
         ends=_vector([robot.end for robot in robots]),
     )
-    rows = _by_kind(scenario)
     return World(
         start=_vector(scenario.task.start),
         goal=_vector(scenario.task.goal),
         lower=_vector(scenario.workspace.lower),
         upper=_vector(scenario.workspace.upper),
         bodies=bodies,
-        obstacles=pack(*rows, counts=counts or obstacle_counts([scenario])),
+        obstacles=pack(**_by_kind(scenario), counts=counts or obstacle_counts([scenario])),
         limits=_limits(limits),
         mass=_scalar(payload.mass),
         duration=_scalar(scenario.task.duration),
@@ -217,20 +211,19 @@ def _scalar(value: float) -> np.ndarray:
     return np.array(value, np.float64)
 
 
-def _by_kind(scenario: Statement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows of boxes, cylinders and spheres as `pack` wants them; a mesh counts as a box."""
-    boxes, cylinders, spheres = [], [], []
+def _by_kind(scenario: Statement) -> dict[str, np.ndarray]:
+    """Rows of every kind as `pack` wants them; a mesh counts as its box."""
+    rows: dict[str, list] = {kind: [] for kind in KINDS}
     for obstacle in scenario.obstacles:
         center = obstacle.center
         match obstacle.kind:
-            case "box":
+            case "box" | "mesh":
                 half = [side / 2 for side in obstacle.size]
-                boxes.append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
-            case "mesh":
-                half = bounding_box(obstacle.path, obstacle.scale) / 2
-                boxes.append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
+                rows["boxes"].append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
             case "cylinder":
-                cylinders.append([*center, obstacle.radius, obstacle.height / 2])
+                rows["cylinders"].append([*center, obstacle.radius, obstacle.height / 2])
             case "sphere":
-                spheres.append([*center, obstacle.radius])
-    return np.array(boxes), np.array(cylinders), np.array(spheres)
+                rows["spheres"].append([*center, obstacle.radius])
+            case _:
+                raise ValueError(f"no arrays for an obstacle of kind {obstacle.kind!r}")
+    return {kind: np.array(each) for kind, each in rows.items()}

@@ -12,6 +12,7 @@ from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.geometry.collisions import count_collisions
+from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.problem.constraints import count_violations
 from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
 from jaxsusp.scenario.scenario import Scenario, load_scenario
@@ -92,7 +93,7 @@ def _faults(scenario: Scenario, polyline: Points) -> tuple[int, int]:
     """(n_p, n_g) of a finely sampled polyline, in float64."""
     padded = len(scenario.obstacles)  # of every kind: one compiled program for all such scenes
     with jax.enable_x64(True):
-        world = build_world(scenario, (padded, padded, padded))
+        world = build_world(scenario, [padded] * len(KINDS))
         position = Vec3(*(jnp.asarray(c) for c in _sampled(polyline).T))
         collisions, violations = _count_faults(world, position)
         return int(collisions), int(violations)

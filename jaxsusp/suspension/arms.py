@@ -11,12 +11,7 @@ import numpy as np
 
 from jaxsusp._types import Array, Bool, Float, Int
 from jaxsusp.geometry.obstacles import Obstacles
-from jaxsusp.geometry.segments import (
-    segment_distance,
-    segment_meets_box,
-    segment_meets_cylinder,
-    segment_meets_sphere,
-)
+from jaxsusp.geometry.segments import segment_distance
 from jaxsusp.mechanics import arm
 from jaxsusp.scenario.world import Robots, World
 from jaxsusp.vec3 import Vec3, rows_of
@@ -177,20 +172,8 @@ def _slack(world: World, robots: Robots, position: Vec3, ends, chains) -> Float[
 
 def _meets(obstacles: Obstacles, starts: Vec3, stops: Vec3, wide: Array) -> Array:
     """Which thick segments meet an obstacle (boxes and cylinders are inflated with corners)."""
-    boxes, cylinders, spheres = (_leading_axes(kind, wide.ndim) for kind in obstacles)
     start, stop, wide = _spread(starts, 1), _spread(stops, 1), wide[..., None]
-    half = boxes.half + Vec3(wide, wide, wide)
-    met = [
-        segment_meets_box(boxes.to_own_frame(start), boxes.to_own_frame(stop), half)
-        & boxes.active,
-        segment_meets_cylinder(
-            start - cylinders.center, stop - cylinders.center,
-            cylinders.radius + wide, cylinders.half_height + wide,
-        )
-        & cylinders.active,
-        segment_meets_sphere(start - spheres.center, stop - spheres.center, spheres.radius + wide)
-        & spheres.active,
-    ]  # fmt: skip
+    met = [_leading_axes(kind, wide.ndim - 1).met_by(start, stop, wide) for kind in obstacles]
     return jnp.concatenate(met, axis=-1).any(axis=-1)
 
 

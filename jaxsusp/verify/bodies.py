@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jaxsusp._types import Float
-from jaxsusp.geometry.meshes import bounding_box
 from jaxsusp.verify.engine import mujoco
 
 _CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -100,11 +99,8 @@ def obstacle_shape(obstacle: Any) -> Shape:
     """The exact body of an obstacle; a mesh gives way to its bounding box (spec §5)."""
     center = np.asarray(obstacle.center, np.float64)
     match obstacle.kind:
-        case "box":
+        case "box" | "mesh":
             half = np.asarray(obstacle.size) / 2
-            return BoxShape(center, np.maximum(half, THIN), np.deg2rad(obstacle.yaw_deg).item())
-        case "mesh":
-            half = bounding_box(obstacle.path, obstacle.scale) / 2
             return BoxShape(center, np.maximum(half, THIN), np.deg2rad(obstacle.yaw_deg).item())
         case "cylinder":
             return CylinderShape(center, obstacle.radius, obstacle.height / 2)

@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float
 
-from jaxsusp.geometry.meshes import bounding_box
-
 Point = Float[np.ndarray, "xyz"]
 Points = Float[np.ndarray, "*batch xyz"]
 
@@ -115,11 +113,8 @@ def of_obstacle(obstacle: Any) -> Solid:
         ValueError: an unknown kind of obstacle.
     """
     match obstacle.kind:
-        case "box":
+        case "box" | "mesh":
             return box(obstacle.center, obstacle.size, obstacle.yaw_deg)
-        case "mesh":
-            size = bounding_box(obstacle.path, obstacle.scale)
-            return box(obstacle.center, size, obstacle.yaw_deg)
         case "cylinder":
             return cylinder(obstacle.center, obstacle.radius, obstacle.height)
         case "sphere":

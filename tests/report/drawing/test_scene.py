@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from scipy.spatial.transform import Rotation
+from trimesh.creation import box as box_of
 
 from jaxsusp.report.drawing import scene as scene3d
-from jaxsusp.report.drawing import solids
 from jaxsusp.report.drawing.look import PALETTE
 from jaxsusp.report.drawing.painting import freest, hidden, paint_curve, refine
 from jaxsusp.report.drawing.solids import Camera, box, cylinder, of_obstacle, sphere
-from jaxsusp.scenario.models import Statement
+from jaxsusp.scenario.models import Mesh, Statement
 
 FROM_SOUTH = Camera(-np.pi / 2, 0.0)
 """Looks north (y up is away): x to the right, z up."""
@@ -144,9 +144,9 @@ def test_bodies_that_run_into_each_other_are_painted_by_depth():
     assert FROM_SOUTH.back_to_front(crossing) == [2, 1, 0]
 
 
-def test_a_mesh_is_drawn_as_its_bounding_box(monkeypatch):
-    monkeypatch.setattr(solids, "bounding_box", lambda path, scale: scale * np.array([1.0, 2, 3]))
-    mesh = SimpleNamespace(kind="mesh", path="hook.stl", scale=2.0, center=(0, 0, 3), yaw_deg=0.0)
+def test_a_mesh_is_drawn_as_its_bounding_box(tmp_path):
+    box_of((1.0, 2.0, 3.0)).export(tmp_path / "hook.stl")
+    mesh = Mesh(file=str(tmp_path / "hook.stl"), scale=2.0, center=(0, 0, 3))
     assert of_obstacle(mesh).corners.max(axis=0) == pytest.approx([1, 2, 6])
 
 
