@@ -1,4 +1,4 @@
-# make compare · make test · make figures · make bench · make reference · make check
+# make compare · make test · make test-fast · make figures · make bench · make reference · make check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -10,15 +10,16 @@ REFERENCE := .venv-reference
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test figures bench reference check format clean
+.PHONY: help setup compare test test-fast figures bench reference check format clean
 
 help:
 	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
 	@echo "make test       the test suite"
+	@echo "make test-fast  at least one test of every room, for the edit loop"
 	@echo "make figures    redraw the table and figures of results/compare.nc"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
 	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake (own environment)"
-	@echo "make check      lint, format and types"
+	@echo "make check      lint, format, types, dead code, and the rules of the house"
 
 define new_environment
 	@$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info < (3, 14) else "jaxsusp needs Python 3.11 to 3.13, but $(PYTHON) is " + sys.version.split()[0] + "; run: make PYTHON=/path/to/python3.12")'
@@ -45,6 +46,9 @@ figures: setup
 
 test: setup
 	$(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile
+
+test-fast: setup
+	$(BIN)/python -m pytest -m fast --numprocesses $(CORES) --dist loadfile
 
 bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks

@@ -16,7 +16,7 @@ from rich.table import Table
 from benchmarks.planning import planning_rows
 from benchmarks.steps import evaluations_only
 from benchmarks.timing import least_seconds, run_process
-from jaxsusp.comparison.unit import Group, stack_scenarios
+from jaxsusp.comparison.workunit import Group, stack_scenarios
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.optim.devices import configure, cores

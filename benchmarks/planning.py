@@ -7,7 +7,7 @@ from rich.console import Console
 
 import jaxsusp as js
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.through import plan_through
+from jaxsusp.planning.waypoints import plan_through
 from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.simulation import simulate
 

@@ -27,12 +27,12 @@ from .mechanics.posture.graspmap import ends_of_forces as ends_of_forces
 from .mechanics.posture.graspmap import grasp_map as grasp_map
 from .mechanics.posture.graspmap import internal_forces as internal_forces
 from .mechanics.posture.graspmap import nearest_forces as nearest_forces
-
-# statics of a load at any pose: Eq. 5 to 7
-from .mechanics.posture.leastsquares import least_squares_tensions as least_squares_tensions
 from .mechanics.posture.load import Load as Load
 from .mechanics.posture.load import Pose as Pose
 from .mechanics.posture.load import rotation as rotation
+
+# statics of a load at any pose: Eq. 5 to 7
+from .mechanics.posture.pseudoinverse import least_squares_tensions as least_squares_tensions
 from .mechanics.posture.structure import structure_matrix as structure_matrix
 from .mechanics.posture.structure import wrench as wrench
 
@@ -53,9 +53,9 @@ from .planning.feasibility import ImpossibleTaskError as ImpossibleTaskError
 from .planning.loading import load_plan as load_plan
 from .planning.plan import Plan as Plan
 from .planning.planner import plan as plan
-from .planning.through import plan_through as plan_through
-from .planning.verification import Verification as Verification
-from .planning.verification import verify_plan as verify_plan
+from .planning.recheck import Verification as Verification
+from .planning.recheck import verify_plan as verify_plan
+from .planning.waypoints import plan_through as plan_through
 
 # fitness
 from .problem.fitness import FitnessTerms as FitnessTerms

@@ -55,10 +55,10 @@ def test_imports_are_found_wherever_they_stand(tmp_path):
         "if TYPE_CHECKING:\n"
         "    from jaxsusp.cli.plan import plan\n"
         "def function():\n"
-        "    from jaxsusp.verify import limits\n"
+        "    from jaxsusp.verify import constraints\n"
     )
     found = set(house._imported(path, MODULES))
-    assert found == {"vec3", "errors", "cli.plan", "verify.limits"}
+    assert found == {"vec3", "errors", "cli.plan", "verify.constraints"}
 
 
 def test_rooms_and_files_are_of_a_size_that_is_read_with_pleasure():

@@ -68,7 +68,7 @@ def freespace(
 
 def _write(scenario: "Scenario", space: "FreeSpace", output: Path) -> list[Path]:
     from jaxsusp.report import freespace as report
-    from jaxsusp.report.drawing.look import save
+    from jaxsusp.report.drawing.style import save
     from jaxsusp.report.render import to_csv
 
     output.mkdir(parents=True, exist_ok=True)

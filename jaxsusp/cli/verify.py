@@ -10,7 +10,7 @@ from jaxsusp.cli.application import command, note, wide_console
 from jaxsusp.cli.options import Json
 
 if TYPE_CHECKING:
-    from jaxsusp.planning.verification import Verification
+    from jaxsusp.planning.recheck import Verification
 
 
 @command(
@@ -32,7 +32,7 @@ def verify(
     """Check a plan anew: limits, continuous-time certificate, simulation; exit 1 if refused."""
     from jaxsusp.optim import devices
     from jaxsusp.planning.loading import load_plan
-    from jaxsusp.planning.verification import verify_plan
+    from jaxsusp.planning.recheck import verify_plan
 
     devices.configure()
     given = load_plan(plan)

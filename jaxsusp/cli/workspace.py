@@ -25,7 +25,7 @@ def workspace(
     from rich.console import Console
 
     from jaxsusp.optim import devices
-    from jaxsusp.report.drawing.look import save
+    from jaxsusp.report.drawing.style import save
     from jaxsusp.report.render import to_csv, to_rich
     from jaxsusp.report.workspace import slices, volume_table
     from jaxsusp.scenario.scenario import load_scenario

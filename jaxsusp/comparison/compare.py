@@ -13,7 +13,7 @@ import xarray as xr
 from jaxsusp.comparison import dataset
 from jaxsusp.comparison.choices import BUDGETS
 from jaxsusp.comparison.store import Store
-from jaxsusp.comparison.unit import Unit, stack_scenarios
+from jaxsusp.comparison.workunit import Unit, stack_scenarios
 from jaxsusp.errors import (
     InputError,
     require,

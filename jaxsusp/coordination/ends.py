@@ -28,8 +28,8 @@ from jaxsusp.problem.problem import Problem, stack_problems
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import Robots, World, build_world, cast_world, rounded_counts
-from jaxsusp.suspension.arms import ARM_MARGIN, choose_postures, separation_slack
-from jaxsusp.suspension.level import tensions_at, turn_at
+from jaxsusp.suspension.armclearance import ARM_MARGIN, choose_postures, separation_slack
+from jaxsusp.suspension.levelload import tensions_at, turn_at
 from jaxsusp.vec3 import Vec3
 
 HEIGHTS = (4.2, 8.8)

@@ -26,7 +26,7 @@ from jaxsusp.coordination.sequence import (
 from jaxsusp.coordination.smoothing import WIDTHS, smoothed
 from jaxsusp.geometry.collisions import count_between
 from jaxsusp.scenario.world import World
-from jaxsusp.suspension.level import ends_at
+from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.vec3 import Vec3
 
 

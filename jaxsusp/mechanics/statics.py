@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from jaxsusp._types import Array
-from jaxsusp.mechanics.distribution import distribute
+from jaxsusp.mechanics.tensiondistribution import distribute
 from jaxsusp.vec3 import Vec3, cross, dot
 
 GRAVITY = 9.81

@@ -12,8 +12,8 @@ from jaxsusp.errors import InputError
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, cast_world
+from jaxsusp.suspension.cableloads import cable_loads
 from jaxsusp.suspension.hanging import hanging_trouble
-from jaxsusp.suspension.loads import cable_loads
 from jaxsusp.suspension.reach import AXIS, in_reach
 from jaxsusp.suspension.rigging import ends_beside
 from jaxsusp.vec3 import Vec3

@@ -11,7 +11,7 @@ from jaxsusp.planning.document import REMEDY, numbers, read, restored
 from jaxsusp.planning.plan import ARRAYS, Plan
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.verify.certificate import Certificate, Clearance, Contact
-from jaxsusp.verify.limits import Check
+from jaxsusp.verify.constraints import Check
 
 
 def load_plan(path: str | os.PathLike[str]) -> Plan:

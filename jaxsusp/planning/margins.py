@@ -10,7 +10,7 @@ from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.planning.feasibility import static_tensions
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, rounded_counts
-from jaxsusp.suspension.level import ends_at
+from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.vec3 import Vec3
 
 MARGIN = 0.015

@@ -19,11 +19,11 @@ from jaxsusp._types import Array, Float
 from jaxsusp.planning import document
 from jaxsusp.planning.document import plain
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.suspension.loads import Loads
+from jaxsusp.suspension.cableloads import Loads
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
 from jaxsusp.verify.certificate import Certificate
-from jaxsusp.verify.limits import Check
+from jaxsusp.verify.constraints import Check
 
 ARRAYS = {
     "waypoints": ("waypoints_m", ("waypoints", 3)),

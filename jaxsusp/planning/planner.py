@@ -15,9 +15,9 @@ from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.planning.choices import COORDINATIONS, ENDS
 from jaxsusp.planning.feasibility import require_possible
 from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.ranking import good, rank, with_settings
 from jaxsusp.planning.steps import Settings
 from jaxsusp.planning.strategies import Attempt, coordinate
-from jaxsusp.planning.worth import good, rank, with_settings
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.scenario.scenario import Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule

@@ -27,9 +27,9 @@ from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.through import plan_through
-from jaxsusp.planning.worth import fitness_of, good, tracks, with_settings
-from jaxsusp.problem.gentle import gently
+from jaxsusp.planning.ranking import fitness_of, good, tracks, with_settings
+from jaxsusp.planning.waypoints import plan_through
+from jaxsusp.problem.hardturns import gently
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, rounded_counts

@@ -18,6 +18,7 @@ from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.feasibility import static_tensions
 from jaxsusp.planning.margins import with_ends_at, with_margins
 from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.ranking import rank
 from jaxsusp.planning.steps import (
     Candidate,
     Settings,
@@ -27,8 +28,7 @@ from jaxsusp.planning.steps import (
     plan_load,
     verify,
 )
-from jaxsusp.planning.through import sample_path
-from jaxsusp.planning.worth import rank
+from jaxsusp.planning.waypoints import sample_path
 from jaxsusp.scenario.scenario import Scenario
 
 ROUNDS = 2

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 
 from jaxsusp._types import Array, Int
 from jaxsusp.scenario.world import World
-from jaxsusp.suspension.level import SINGLE_PRECISION_TENSION, drawn_in, stability_of
+from jaxsusp.suspension.levelload import SINGLE_PRECISION_TENSION, drawn_in, stability_of
 from jaxsusp.suspension.reach import SINGLE_PRECISION_LENGTH, within
 from jaxsusp.vec3 import Vec3
 
@@ -12,7 +12,7 @@ WORKSPACE_TOLERANCE = 1e-3
 """m by which a sample may lie outside the workspace before it counts."""
 
 SINGLE_PRECISION_STABILITY = 1e-5
-"""By which S_cmin is raised where the arithmetic is float32, see `suspension.level`."""
+"""By which S_cmin is raised where the arithmetic is float32, see `suspension.levelload`."""
 
 
 def count_violations(

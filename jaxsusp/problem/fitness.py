@@ -16,8 +16,8 @@ from jaxsusp.geometry.collisions import count_between, count_collisions
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.problem.constraints import count_turned, count_violations
 from jaxsusp.scenario.world import World
-from jaxsusp.suspension.arms import count_arm_contacts
-from jaxsusp.suspension.level import bases_at, ends_at, stability_of, tensions_at, turn_at
+from jaxsusp.suspension.armclearance import count_arm_contacts
+from jaxsusp.suspension.levelload import bases_at, ends_at, stability_of, tensions_at, turn_at
 from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.vec3 import Vec3, norm

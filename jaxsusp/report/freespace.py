@@ -13,10 +13,10 @@ from jaxsusp.freespace.ellipsoid import Ellipsoid
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces, corners_of
 from jaxsusp.freespace.space import FreeSpace
-from jaxsusp.report.drawing.look import CYCLE, INK, heading, legend, panels, picture
 from jaxsusp.report.drawing.painting import paint_curve, paint_solid
 from jaxsusp.report.drawing.scene import LOAD, STONE, cable_samples, stage
 from jaxsusp.report.drawing.solids import Solid, of_obstacle
+from jaxsusp.report.drawing.style import CYCLE, INK, heading, legend, panels, picture
 from jaxsusp.report.render import Column
 from jaxsusp.scenario.scenario import Scenario
 

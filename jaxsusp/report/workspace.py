@@ -7,9 +7,9 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from jaxsusp.report.drawing.look import FAINT, INK, QUIET, heading, picture, quiet
-from jaxsusp.report.drawing.look import save as save
 from jaxsusp.report.drawing.painting import HALO
+from jaxsusp.report.drawing.style import FAINT, INK, QUIET, heading, picture, quiet
+from jaxsusp.report.drawing.style import save as save
 from jaxsusp.report.render import Column, percent
 from jaxsusp.suspension.workspace import Workspace
 

@@ -17,7 +17,7 @@ from jaxsusp.problem.constraints import count_violations
 from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
 from jaxsusp.scenario.scenario import Scenario, load_scenario
 from jaxsusp.scenario.world import World, build_world
-from jaxsusp.suspension.level import tensions_at
+from jaxsusp.suspension.levelload import tensions_at
 from jaxsusp.vec3 import Vec3
 
 MOST = 1000

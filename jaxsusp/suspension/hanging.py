@@ -1,7 +1,7 @@
 """How the load of a scenario hangs at given positions: posture, tensions, residuals, stability.
 
 This is the statics behind the constraint report (Eq. 22): a finished plan asks all along its way
-whether the load is in equilibrium, how far it turns, and whether it stays (`suspension.loads`).
+whether the load is in equilibrium, how far it turns, and whether it stays (`cableloads`).
 """
 
 import functools
@@ -23,7 +23,7 @@ from jaxsusp.mechanics.statics import GRAVITY, force_tensions
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
-from jaxsusp.suspension.level import ends_at, tight_tension_limits
+from jaxsusp.suspension.levelload import ends_at, tight_tension_limits
 from jaxsusp.vec3 import Vec3, cross, norm, pack_rows, rows_of
 
 BLOCK = 256

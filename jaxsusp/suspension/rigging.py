@@ -18,9 +18,9 @@ from jaxsusp.mechanics import arm
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of, build_world, cast_world, rounded_counts
-from jaxsusp.suspension.arms import choose_elbows
-from jaxsusp.suspension.level import ends_at
-from jaxsusp.suspension.loads import Loads, cable_loads
+from jaxsusp.suspension.armclearance import choose_elbows
+from jaxsusp.suspension.cableloads import Loads, cable_loads
+from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.trajectory.smoothpath import Spline
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.vec3 import Vec3, rows_of

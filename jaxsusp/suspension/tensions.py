@@ -12,7 +12,7 @@ from jaxsusp.mechanics.statics import force_tensions, weight
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, cast_world
 from jaxsusp.suspension.hanging import equilibrium
-from jaxsusp.suspension.level import ends_at, tight_tension_limits
+from jaxsusp.suspension.levelload import ends_at, tight_tension_limits
 from jaxsusp.vec3 import Vec3
 
 
@@ -24,7 +24,7 @@ def tensions(
     """Tension of every cable that balances the payload (Eq. 4-7; spec §3).
 
     At a hook with more than three cables it is the balance nearest to the middle of the tension
-    range and within the limits wherever one is, see `mechanics.distribution`. With separate
+    range and within the limits wherever one is, see `mechanics.tensiondistribution`. With separate
     attachments it is that of the equilibrium posture, see `jaxsusp.equilibrium`. Where the ends
     move, they are where the drive mode's plain rule puts them.
 

@@ -15,7 +15,7 @@ from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
 from jaxsusp.suspension.hanging import Hanging, equilibrium
-from jaxsusp.suspension.level import ends_at, tensions_at
+from jaxsusp.suspension.levelload import ends_at, tensions_at
 from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.vec3 import Vec3
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.company import PARTS
 from jaxsusp.verify.engine import mujoco
+from jaxsusp.verify.pairs import PARTS
 
 COLOR = (0.60, 0.64, 0.69, 1.0)
 

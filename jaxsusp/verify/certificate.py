@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.company import KINDS, Company
 from jaxsusp.verify.elbow import elbow_speed
+from jaxsusp.verify.pairs import KINDS, System
 from jaxsusp.verify.scene import Scene
 
 TOLERANCE = 1e-4
@@ -97,16 +97,16 @@ class _Search:
 
     def __init__(self, rigging: Rigging, first_only: bool):
         self._rigging, self._path = rigging, rigging.law.path
-        self._company = Company(rigging)
-        self._bodies = self._company.bodies
+        self._system = System(rigging)
+        self._bodies = self._system.bodies
         self._scene = Scene(self._bodies)
         self._first_only: bool = first_only
-        columns = np.array([each[:3] for each in self._company.pairs], int).T
+        columns = np.array([each[:3] for each in self._system.pairs], int).T
         self._one, self._other, self._kind = columns
-        self._required = np.array([each.required for each in self._company.pairs])
+        self._required = np.array([each.required for each in self._system.pairs])
         spans = np.array([(body.first, body.second) for body in self._bodies])
         self._span_one, self._span_other = spans[self._one], spans[self._other]
-        moves = self._company.moves
+        moves = self._system.moves
         self._moving = moves[self._span_one].any(axis=1) | moves[self._span_other].any(axis=1)
         self._placed = {i for i, span in enumerate(spans) if not moves[span].any()}
         self._place_what_stands(spans)
@@ -122,7 +122,7 @@ class _Search:
 
     def _place_what_stands(self, spans: np.ndarray) -> None:
         start = np.array(self._path.span[:1])
-        points = self._company.locate(self._path.curve(start), self._rigging.ends_at(start))[0]
+        points = self._system.locate(self._path.curve(start), self._rigging.ends_at(start))[0]
         for index in self._placed:
             self._scene.place(index, *points[spans[index]])
 
@@ -143,7 +143,7 @@ class _Search:
         """Look at the middles of intervals, and return the halves of those that need it."""
         middle, half = (a + b) / 2, (b - a) / 2
         center, ends = self._path.curve(middle), self._rigging.ends_at(middle)
-        points = self._company.locate(center, ends)
+        points = self._system.locate(center, ends)
         value, normal = self._measure(pair, points)
         self._note(pair, middle, value)
         kind, required = self._kind[pair], self._required[pair] - ROUNDING
@@ -198,7 +198,7 @@ class _Search:
 
     def _lower_bound(self, pair, middle, half, points, ends, value, normal) -> np.ndarray:
         """Proven lower bounds of the distances over whole intervals."""
-        company, rows = self._company, np.arange(len(pair))
+        system, rows = self._system, np.arange(len(pair))
         motion = self._motion(middle, half, ends)
         one, other = self._span_one[pair], self._span_other[pair]
         plane = np.full(len(pair), np.inf)
@@ -206,10 +206,10 @@ class _Search:
             a, b = one[:, i], other[:, j]
             apart = ((points[rows, a] - points[rows, b]) * normal).sum(axis=-1)
             rate = ((motion.rates[rows, a] - motion.rates[rows, b]) * normal).sum(axis=-1)
-            lost = np.abs(rate) * half + motion.rest(company, a, b, half)
+            lost = np.abs(rate) * half + motion.rest(system, a, b, half)
             plane = np.minimum(plane, apart - lost)
         plane -= self._reach(self._one[pair], -normal) + self._reach(self._other[pair], normal)
-        way = (motion.speed(company, span).max(axis=1) for span in (one, other))
+        way = (motion.speed(system, span).max(axis=1) for span in (one, other))
         isotropic = value - ROUNDING - sum(way) * half
         return np.fmax(plane, isotropic)
 
@@ -221,7 +221,7 @@ class _Search:
         velocity = self._path.derivatives[0](middle)
         if not tracks:
             still = np.zeros((len(middle), rig.cables))
-            rates = self._company.rates(velocity, np.zeros((len(middle), rig.cables, 3)))
+            rates = self._system.rates(velocity, np.zeros((len(middle), rig.cables, 3)))
             return _Motion(rates, speed, bend, still, still, still)
         rates = np.stack([track.derivatives[0](middle) for track in tracks], axis=1)
         speeds, bends = (
@@ -230,7 +230,7 @@ class _Search:
         )
         moved, shoulders = speeds * half[:, None], rig.shoulders_at(ends)
         elbows = elbow_speed(shoulders, rig.links, ends, moved, speeds)
-        return _Motion(self._company.rates(velocity, rates), speed, bend, speeds, bends, elbows)
+        return _Motion(self._system.rates(velocity, rates), speed, bend, speeds, bends, elbows)
 
     def _reach(self, body: np.ndarray, normal: np.ndarray) -> np.ndarray:
         """How far bodies go beyond their points, each along its own direction (m)."""
@@ -284,24 +284,24 @@ class _Motion(NamedTuple):
     end_bend: np.ndarray
     elbow_speed: np.ndarray  # (rows, K)
 
-    def rest(self, company: Company, a: np.ndarray, b: np.ndarray, half: np.ndarray) -> np.ndarray:
+    def rest(self, system: System, a: np.ndarray, b: np.ndarray, half: np.ndarray) -> np.ndarray:
         """How far point a can get towards point b beyond their first-order motion (m)."""
-        rows, share, track = np.arange(len(a)), company.share, company.track
-        bend = np.abs(company.along[a] - company.along[b]) * self.load_bend
+        rows, share, track = np.arange(len(a)), system.share, system.track
+        bend = np.abs(system.along[a] - system.along[b]) * self.load_bend
         one = self.end_bend[rows, track[a]]
         other = self.end_bend[rows, track[b]]
         together = np.abs(share[a] - share[b]) * one
         alone = np.abs(share[a]) * one + np.abs(share[b]) * other
         bend = bend + np.where(track[a] == track[b], together, alone)
-        return 0.5 * bend * half**2 + (self._elbow(company, a) + self._elbow(company, b)) * half
+        return 0.5 * bend * half**2 + (self._elbow(system, a) + self._elbow(system, b)) * half
 
-    def speed(self, company: Company, points: np.ndarray) -> np.ndarray:
+    def speed(self, system: System, points: np.ndarray) -> np.ndarray:
         """Greatest speed of points (rows, any number)."""
         rows = np.arange(len(points))[:, None]
-        ends = np.abs(company.share[points]) * self.end_speed[rows, company.track[points]]
-        elbows = np.stack([self._elbow(company, each) for each in points.T], axis=1)
-        return np.abs(company.along[points]) * self.load_speed[:, None] + ends + elbows
+        ends = np.abs(system.share[points]) * self.end_speed[rows, system.track[points]]
+        elbows = np.stack([self._elbow(system, each) for each in points.T], axis=1)
+        return np.abs(system.along[points]) * self.load_speed[:, None] + ends + elbows
 
-    def _elbow(self, company: Company, points: np.ndarray) -> np.ndarray:
-        of = company.elbow_of[points]
+    def _elbow(self, system: System, points: np.ndarray) -> np.ndarray:
+        of = system.elbow_of[points]
         return np.where(of >= 0, self.elbow_speed[np.arange(len(points)), np.maximum(of, 0)], 0.0)

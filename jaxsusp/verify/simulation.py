@@ -14,8 +14,8 @@ from jaxsusp.scenario.models import Limits
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify import armmodel
 from jaxsusp.verify.armmodel import servo_positions
+from jaxsusp.verify.constraints import INSTANTS
 from jaxsusp.verify.engine import mujoco
-from jaxsusp.verify.limits import INSTANTS
 from jaxsusp.verify.model import DAMPING, STIFFNESS, build_spec
 
 SETTLING = 3.0

@@ -12,7 +12,7 @@ from jax.tree_util import Partial
 
 import jaxsusp as js
 from jaxsusp.comparison import dataset as results
-from jaxsusp.comparison import unit as workunit
+from jaxsusp.comparison import workunit
 from jaxsusp.comparison.store import FILE, PARTS
 from jaxsusp.optim.base import Best, NoInfo
 from jaxsusp.optim.batch import Outcome

@@ -11,9 +11,9 @@ from plans import LOW
 import jaxsusp as js
 from jaxsusp.coordination.ends import decode, encode, end_bounds, end_problem, evaluate_ends
 from jaxsusp.mechanics import arm
-from jaxsusp.planning.through import plan_through, sample_path
+from jaxsusp.planning.waypoints import plan_through, sample_path
 from jaxsusp.scenario.world import build_world
-from jaxsusp.suspension.arms import choose_postures, separation_slack
+from jaxsusp.suspension.armclearance import choose_postures, separation_slack
 from jaxsusp.vec3 import Vec3
 
 
@@ -72,10 +72,10 @@ def test_placed_ends_are_better_than_the_given_ones(scenarios, path):
 
 def test_the_printed_table_2_is_out_of_reach(scenarios):
     """Every row of the paper's Table 2 puts ends beyond the arms they are printed for."""
-    from jaxsusp.report.comparison import published as paper
+    from jaxsusp.report.comparison import paper
 
     printed = np.genfromtxt(
-        paper.__file__.replace("published.py", "data/tables2_3.csv"),
+        paper.__file__.replace("paper.py", "data/tables2_3.csv"),
         delimiter=",", skip_header=1, usecols=(1, 2, 3, 4),
     )  # fmt: skip
     robots = build_world(scenarios[0]).robots

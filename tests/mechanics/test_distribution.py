@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import linprog, lsq_linear
 
 import jaxsusp as js
-from jaxsusp.mechanics.distribution import distribute
+from jaxsusp.mechanics.tensiondistribution import distribute
 from jaxsusp.vec3 import Vec3
 
 LOW, HIGH = 1.0, 100.0

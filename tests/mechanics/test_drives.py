@@ -12,7 +12,7 @@ from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.geometry.obstacles import pack
 from jaxsusp.mechanics.drives import HYBRID_SHARE, Anchors, Drive, bases_along
 from jaxsusp.scenario.world import build_world, cast_world
-from jaxsusp.suspension.level import ends_at
+from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.vec3 import Vec3
 

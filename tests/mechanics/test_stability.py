@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 from jaxsusp.mechanics.stability import polygon_gauge, stability, stability_factors
 from jaxsusp.problem.fitness import waypoint_stability
 from jaxsusp.scenario.world import build_world
-from jaxsusp.suspension.level import tensions_at
+from jaxsusp.suspension.levelload import tensions_at
 from jaxsusp.vec3 import Vec3
 
 

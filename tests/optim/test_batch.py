@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
-from jaxsusp.comparison.unit import stack_scenarios
+from jaxsusp.comparison.workunit import stack_scenarios
 from jaxsusp.optim import batch
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import run_key

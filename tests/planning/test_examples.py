@@ -7,7 +7,7 @@ import pytest
 from plans import EXAMPLES
 
 import jaxsusp as js
-from jaxsusp.comparison.unit import stack_scenarios
+from jaxsusp.comparison.workunit import stack_scenarios
 from jaxsusp.verify.simulation import simulate
 
 

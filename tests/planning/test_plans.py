@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
 from jaxsusp.mechanics import arm
-from jaxsusp.verify.limits import TURN, Check, _cables_in_load
+from jaxsusp.verify.constraints import TURN, Check, _cables_in_load
 
 
 @pytest.fixture(scope="module")

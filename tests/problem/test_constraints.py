@@ -10,7 +10,7 @@ from jaxsusp.geometry.cables import cable_lengths, cable_vectors
 from jaxsusp.problem.constraints import count_violations
 from jaxsusp.problem.fitness import waypoint_stability
 from jaxsusp.scenario.world import cast_world
-from jaxsusp.suspension.level import tensions_at
+from jaxsusp.suspension.levelload import tensions_at
 from jaxsusp.vec3 import Vec3
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
-from jaxsusp.comparison.unit import stack_scenarios
+from jaxsusp.comparison.workunit import stack_scenarios
 from jaxsusp.problem.search import pad_regions, regions_of
 
 

@@ -11,11 +11,11 @@ import pytest
 from plans import HIGH
 
 import jaxsusp as js
-from jaxsusp.planning.through import plan_through
+from jaxsusp.planning.waypoints import plan_through
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.certificate import TOLERANCE, certify
-from jaxsusp.verify.company import KINDS
+from jaxsusp.verify.pairs import KINDS
 
 HOOK = np.array([0.0, 0.0, 0.15])
 

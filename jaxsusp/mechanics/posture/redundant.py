@@ -18,8 +18,8 @@ from jaxsusp.mechanics.posture.equilibrium import (
     TOLERANCE,
     Equilibrium,
 )
-from jaxsusp.mechanics.posture.leastsquares import bounded_least_squares
 from jaxsusp.mechanics.posture.load import Load, Pose, cables_at
+from jaxsusp.mechanics.posture.pseudoinverse import bounded_least_squares
 from jaxsusp.mechanics.posture.structure import imbalance, relative, structure_matrix
 
 _STEPS = 15

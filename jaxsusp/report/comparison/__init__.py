@@ -1,1 +1,1 @@
-"""What people see of a comparison: Table 1 and Figs. 8 to 11 of the paper, and statistics."""
+"""What people see of a comparison: Table 1, Figs. 7, 11 and 12 of the paper, and statistics."""

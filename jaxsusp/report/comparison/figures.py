@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
-from jaxsusp.report.drawing.look import (
+from jaxsusp.report.drawing.style import (
     INK,
     QUIET,
     Style,
@@ -19,8 +19,8 @@ from jaxsusp.report.drawing.look import (
     picture,
     styles,
 )
-from jaxsusp.report.drawing.look import PALETTE as PALETTE
-from jaxsusp.report.drawing.look import save as save
+from jaxsusp.report.drawing.style import PALETTE as PALETTE
+from jaxsusp.report.drawing.style import save as save
 
 _HUGE = 1e300
 """Stands in for +inf in quantiles, where ∞ - ∞ would give NaN."""

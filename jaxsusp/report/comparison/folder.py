@@ -14,7 +14,8 @@ from jaxsusp._files import write_text
 from jaxsusp.errors import ScenarioError
 from jaxsusp.report.comparison import figures, statistics, tables
 from jaxsusp.report.drawing import scene as scene3d
-from jaxsusp.report.drawing.look import save
+from jaxsusp.report.drawing.style import save
+from jaxsusp.report.render import to_csv, to_markdown
 from jaxsusp.scenario.scenario import Scenario
 
 TABLES: dict[str, Callable[[xr.Dataset], pd.DataFrame]] = {
@@ -55,8 +56,8 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name, frame in build_tables(ds).items():
-        tables.to_csv(frame, folder / f"{name}.csv")
-        write_text(folder / f"{name}.md", tables.to_markdown(frame))
+        to_csv(frame, folder / f"{name}.csv")
+        write_text(folder / f"{name}.md", to_markdown(frame))
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
     for name, draw in (("convergence", figures.convergence), ("fitness", figures.fitness_boxes)):
         save(draw(ds), folder / f"{name}.png")

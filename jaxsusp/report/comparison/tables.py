@@ -10,10 +10,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jaxsusp.report.comparison import published as paper
+from jaxsusp.report.comparison import paper
 from jaxsusp.report.render import Cell, Column, Footnote, duration
-from jaxsusp.report.render import to_csv as to_csv
-from jaxsusp.report.render import to_markdown as to_markdown
 
 _SMALLEST_IS_BEST = ("min", "max", "average", "std", "length", "height", "runtime")
 _LARGEST_IS_BEST = ("curvature_radius", "clear")

@@ -10,8 +10,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.patheffects import withStroke
 from scipy.spatial import ConvexHull
 
-from jaxsusp.report.drawing.look import INK
 from jaxsusp.report.drawing.solids import Camera, Solid
+from jaxsusp.report.drawing.style import INK
 
 Curve = Float[np.ndarray, "points xyz"]
 

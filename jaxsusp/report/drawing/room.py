@@ -4,9 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from jaxsusp.report.drawing.look import FAINT, QUIET
 from jaxsusp.report.drawing.painting import paint_label
 from jaxsusp.report.drawing.solids import Camera
+from jaxsusp.report.drawing.style import FAINT, QUIET
 
 PAPER = "#F6F6F4"
 

@@ -14,17 +14,6 @@ from matplotlib.lines import Line2D
 
 from jaxsusp.mechanics import arm
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.report.drawing.look import (
-    INK,
-    QUIET,
-    heading,
-    legend,
-    picture,
-    quiet,
-    styles,
-    subscript,
-)
-from jaxsusp.report.drawing.look import save as save
 from jaxsusp.report.drawing.painting import (
     Curve,
     hidden,
@@ -35,6 +24,17 @@ from jaxsusp.report.drawing.painting import (
 )
 from jaxsusp.report.drawing.room import paint_room
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.report.drawing.style import (
+    INK,
+    QUIET,
+    heading,
+    legend,
+    picture,
+    quiet,
+    styles,
+    subscript,
+)
+from jaxsusp.report.drawing.style import save as save
 from jaxsusp.report.render import significant
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.rigging import ends_beside

@@ -1,1 +1,1 @@
-"""What people see of a plan: tables, curves, scenes, films, and the folder they are written to."""
+"""What people see of a plan: tables, Figs. 8 to 10 of the paper, films, and their folder."""

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from scipy.spatial.transform import Rotation
 
 from jaxsusp.planning.plan import Plan
-from jaxsusp.report.drawing.look import (
+from jaxsusp.report.drawing.style import (
     CABLES,
     INK,
     PALETTE,
@@ -21,7 +21,7 @@ from jaxsusp.report.drawing.look import (
     quiet,
     subscript,
 )
-from jaxsusp.verify.limits import INSTANTS
+from jaxsusp.verify.constraints import INSTANTS
 
 AXES = {"x": PALETTE["pso"], "y": PALETTE["ga"], "z": PALETTE["dbo"]}
 DASHES = (0, (5, 3))

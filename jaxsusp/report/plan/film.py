@@ -11,8 +11,8 @@ from jaxsusp._files import atomic_path
 from jaxsusp._types import Float
 from jaxsusp.errors import InputError
 from jaxsusp.planning.plan import Plan
-from jaxsusp.report.drawing.look import picture_file
 from jaxsusp.report.drawing.solids import Camera
+from jaxsusp.report.drawing.style import picture_file
 from jaxsusp.report.plan.scene import Stills, plan_view
 from jaxsusp.verify.engine import mujoco
 from jaxsusp.verify.simulation import Simulation, simulate

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from jaxsusp._files import write_text
 from jaxsusp.planning.plan import Plan
-from jaxsusp.report.drawing.look import save
+from jaxsusp.report.drawing.style import save
 from jaxsusp.report.plan import figures as planfigures
 from jaxsusp.report.plan.scene import scene
 from jaxsusp.report.plan.tables import ends_table, limits_table

@@ -10,17 +10,6 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from jaxsusp.planning.plan import Plan
-from jaxsusp.report.drawing.look import (
-    CABLES,
-    INK,
-    PATH,
-    QUIET,
-    heading,
-    legend,
-    picture,
-    quiet,
-    subscript,
-)
 from jaxsusp.report.drawing.painting import (
     freest,
     hidden,
@@ -32,8 +21,19 @@ from jaxsusp.report.drawing.painting import (
 from jaxsusp.report.drawing.room import paint_room
 from jaxsusp.report.drawing.scene import LOAD, STONE, best_view
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.report.drawing.style import (
+    CABLES,
+    INK,
+    PATH,
+    QUIET,
+    heading,
+    legend,
+    picture,
+    quiet,
+    subscript,
+)
 from jaxsusp.scenario.world import attachments_of
-from jaxsusp.verify.limits import INSTANTS
+from jaxsusp.verify.constraints import INSTANTS
 
 POSES = 9
 ARM, PAST_ARM = "#AEB6C0", "#DADEE3"

@@ -9,7 +9,7 @@ import pandas as pd
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.render import Column, significant
 from jaxsusp.scenario.models import Limits
-from jaxsusp.verify.limits import INSTANTS, Check
+from jaxsusp.verify.constraints import INSTANTS, Check
 from jaxsusp.verify.simulation import EDGE, TENSION, TRACKING, Simulation
 
 ROUNDED = 1e-8

@@ -13,9 +13,9 @@ from suspensions import hang_all, load_of, settle_all, stiffness_all
 
 import jaxsusp as js
 from jaxsusp.mechanics.posture.equilibrium import CONVERGED
-from jaxsusp.mechanics.posture.leastsquares import bounded_least_squares, least_squares_tensions
 from jaxsusp.mechanics.posture.load import Pose, angles, cables_at, tilt
 from jaxsusp.mechanics.posture.potential import energy, stiffness
+from jaxsusp.mechanics.posture.pseudoinverse import bounded_least_squares, least_squares_tensions
 from jaxsusp.mechanics.posture.redundant import hang_within
 from jaxsusp.mechanics.posture.structure import structure_matrix
 from jaxsusp.suspension.hanging import hanging_trouble

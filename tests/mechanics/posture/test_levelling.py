@@ -12,7 +12,7 @@ from jaxsusp.mechanics.posture.levelling import level_ends
 from jaxsusp.mechanics.posture.load import Pose
 from jaxsusp.mechanics.posture.structure import imbalance
 from jaxsusp.scenario.world import build_world, cast_world
-from jaxsusp.suspension.level import ends_at, tensions_at
+from jaxsusp.suspension.levelload import ends_at, tensions_at
 from jaxsusp.vec3 import Vec3
 
 RIM = [[0.0, 0.1, 0.15], [-0.087, -0.05, 0.15], [0.087, -0.05, 0.1]]

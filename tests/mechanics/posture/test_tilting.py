@@ -12,7 +12,7 @@ import jaxsusp as js
 from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
 from jaxsusp.problem.fitness import trajectory
 from jaxsusp.scenario.world import build_world, warning_shape
-from jaxsusp.suspension.level import tensions_at, turn_at
+from jaxsusp.suspension.levelload import tensions_at, turn_at
 from jaxsusp.vec3 import Vec3
 
 

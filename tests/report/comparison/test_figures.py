@@ -9,7 +9,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from jaxsusp.report.comparison import figures
-from jaxsusp.report.drawing.look import CYCLE, styles
+from jaxsusp.report.drawing.style import CYCLE, styles
 
 
 def lines(axes):

@@ -8,7 +8,15 @@ import pytest
 from rich.console import Console
 
 from jaxsusp.report.comparison import tables
-from jaxsusp.report.render import duration, percent, probability, significant
+from jaxsusp.report.render import (
+    duration,
+    percent,
+    probability,
+    significant,
+    to_csv,
+    to_markdown,
+    to_rich,
+)
 
 
 def row(frame, scenario, algorithm):
@@ -17,7 +25,7 @@ def row(frame, scenario, algorithm):
 
 def printed(frame, width=80) -> str:
     console = Console(width=width, file=io.StringIO())
-    console.print(tables.to_rich(frame))
+    console.print(to_rich(frame))
     return console.file.getvalue()
 
 
@@ -101,7 +109,7 @@ def test_ratio_table_marks_the_impossible_std(comparison):
     frame = tables.ratio_table(comparison)
     impossible = frame.attrs["footnotes"][0]
     assert impossible.cells == {(2, "std")}  # scenario-5, paper
-    text = tables.to_markdown(frame)
+    text = to_markdown(frame)
     assert "| 0.2604ᵃᶜ |" in text
     assert "ᵃ No 20 values" in text
 
@@ -136,7 +144,7 @@ def test_the_comparison_fits_a_terminal_of_80_columns(comparison):
 
 
 def test_rich_prints_the_best_in_bold(comparison):
-    table = tables.to_rich(tables.comparison_table(comparison), title="mine", caption="[why]")
+    table = to_rich(tables.comparison_table(comparison), title="mine", caption="[why]")
     assert table.title == "mine"
     assert table.caption == r"\[why]"
     by_name = {column.header.replace("\n", " "): list(column.cells) for column in table.columns}
@@ -146,7 +154,7 @@ def test_rich_prints_the_best_in_bold(comparison):
 
 
 def test_markdown_is_a_table_with_its_caption(comparison):
-    lines = tables.to_markdown(tables.comparison_table(comparison)).splitlines()
+    lines = to_markdown(tables.comparison_table(comparison)).splitlines()
     assert lines[0].startswith("| scenario | obstacles | algorithm | min | max ")
     assert lines[1].startswith("| :--- | ---: | :--- | ---: ")
     assert lines[5].startswith("| scenario-1 | 6 | sdbo | **100.0** | **600.0** | **300.0** |")
@@ -156,7 +164,7 @@ def test_markdown_is_a_table_with_its_caption(comparison):
 
 def test_csv_holds_every_digit(comparison, tmp_path):
     frame = tables.comparison_table(comparison)
-    tables.to_csv(frame, tmp_path / "table.csv")
+    to_csv(frame, tmp_path / "table.csv")
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "table.csv"), frame, check_exact=True)
 
 

@@ -9,9 +9,9 @@ from scipy.spatial.transform import Rotation
 from trimesh.creation import box as box_of
 
 from jaxsusp.report.drawing import scene as scene3d
-from jaxsusp.report.drawing.look import PALETTE
 from jaxsusp.report.drawing.painting import freest, hidden, paint_curve, refine
 from jaxsusp.report.drawing.solids import Camera, box, cylinder, of_obstacle, sphere
+from jaxsusp.report.drawing.style import PALETTE
 from jaxsusp.scenario.models import Mesh, Statement
 
 FROM_SOUTH = Camera(-np.pi / 2, 0.0)

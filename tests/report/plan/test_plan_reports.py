@@ -10,16 +10,16 @@ from scipy.spatial.transform import Rotation
 import jaxsusp as js
 from jaxsusp.cli.plan import as_record
 from jaxsusp.report.drawing import scene as scene3d
-from jaxsusp.report.drawing.look import CABLES, INK, legend, picture, subscript
 from jaxsusp.report.drawing.painting import refine
 from jaxsusp.report.drawing.solids import Camera
+from jaxsusp.report.drawing.style import CABLES, INK, legend, picture, subscript
 from jaxsusp.report.plan import figures as planfigures
 from jaxsusp.report.plan import film as pictures
 from jaxsusp.report.plan import folder as planfolder
 from jaxsusp.report.plan.scene import POSES, Stills, plan_view, scene
 from jaxsusp.report.plan.tables import ends_table, limits_table, simulation_table
 from jaxsusp.report.render import to_markdown, to_rich
-from jaxsusp.verify.limits import Check
+from jaxsusp.verify.constraints import Check
 from jaxsusp.verify.simulation import Simulation
 
 END_DRIVEN = [[-1.03, 0.75, 0.8], [-2.1, 0.91, 0.56], [-2.2, 0.24, 1.3], [-0.72, -0.44, 2.04]]

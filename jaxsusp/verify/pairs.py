@@ -13,7 +13,7 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.scenario.world import attachments_of, warning_shape
-from jaxsusp.suspension.arms import NEAR_END
+from jaxsusp.suspension.armclearance import NEAR_END
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.bodies import Body, obstacle_shape
 from jaxsusp.verify.elbow import elbow
@@ -48,7 +48,7 @@ class Pair(NamedTuple):
     required: float  # m
 
 
-class Company:
+class System:
     """The bodies and pairs of one plan.
 
     With separate attachments the load turns by up to the posture limit: load and cables then take

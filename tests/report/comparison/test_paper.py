@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jaxsusp.report.comparison import published as paper
+from jaxsusp.report.comparison import paper
 
 
 @pytest.fixture(scope="module")

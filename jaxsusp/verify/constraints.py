@@ -8,7 +8,7 @@ from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of
-from jaxsusp.suspension.loads import Loads, cable_loads
+from jaxsusp.suspension.cableloads import Loads, cable_loads
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import Motion
 from jaxsusp.verify.certificate import ROUNDING, Certificate

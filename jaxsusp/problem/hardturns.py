@@ -14,7 +14,7 @@ from jaxsusp._types import Array, Float
 from jaxsusp.problem.fitness import curvature, trajectory
 from jaxsusp.problem.problem import Problem, Suspension
 from jaxsusp.scenario.world import cast_world
-from jaxsusp.suspension.level import ends_at, tensions_at
+from jaxsusp.suspension.levelload import ends_at, tensions_at
 from jaxsusp.vec3 import Vec3, norm
 
 TURN = 0.1

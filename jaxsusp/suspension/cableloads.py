@@ -12,7 +12,7 @@ from jaxsusp.mechanics.statics import force_tensions, weight
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
 from jaxsusp.suspension.hanging import Hanging, equilibrium
-from jaxsusp.suspension.level import ends_at, stability_of, tight_tension_limits
+from jaxsusp.suspension.levelload import ends_at, stability_of, tight_tension_limits
 from jaxsusp.vec3 import Vec3, pack_rows, rows_of
 
 

@@ -22,7 +22,7 @@ from jaxsusp.suspension.rigging import Rigging, ends_beside
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.certificate import Certificate, certify
-from jaxsusp.verify.limits import TURN, Check, constraint_report
+from jaxsusp.verify.constraints import TURN, Check, constraint_report
 
 FAR = 1e6
 """m; the greatest coordinate of waypoints and ends."""
@@ -45,7 +45,7 @@ def plan_through(
         ends: upper cable ends (m): (K, 3), or (n, K, 3) beside the samples of the path in a drive
             mode that moves them; default the scenario's, moved by the plain rule of its mode.
         samples: number n of samples of the path and of the plan.
-        elbow_up: of every robot; default chosen, see `jaxsusp.suspension.arms`.
+        elbow_up: of every robot; default chosen, see `jaxsusp.suspension.armclearance`.
         settings: kept with the plan.
 
     Returns:

@@ -12,8 +12,8 @@ import numpy as np
 
 from jaxsusp.mechanics import arm
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.through import plan_through
-from jaxsusp.verify.company import KINDS, Company
+from jaxsusp.planning.waypoints import plan_through
+from jaxsusp.verify.pairs import KINDS, System
 from jaxsusp.verify.scene import Scene
 from jaxsusp.verify.simulation import Simulation, simulate
 
@@ -115,20 +115,20 @@ def _broken(plan: Plan, values: np.ndarray, what: str, limits, unit: str) -> lis
 
 def _contacts(anew: Plan, positions: np.ndarray, ends: np.ndarray) -> list[str]:
     """What load and cables are too close to at stored positions, ends where they belong."""
-    company = Company(anew.rigging)
-    scene = Scene(company.bodies)
+    system = System(anew.rigging)
+    scene = Scene(system.bodies)
     shape = len(positions), anew.rigging.cables, 3
-    points = company.locate(positions, np.broadcast_to(ends, shape))
+    points = system.locate(positions, np.broadcast_to(ends, shape))
     found: dict[str, str] = {}
     for row, places in enumerate(points):
-        for index, body in enumerate(company.bodies):
+        for index, body in enumerate(system.bodies):
             scene.place(index, places[body.first], places[body.second])
-        for pair in company.pairs:
+        for pair in system.pairs:
             if pair.kind > CABLES_TO_ARMS:
                 continue
             distance, _ = scene.distance(pair.other, pair.one)
             if distance < pair.required - 1e-6:
-                one, other = company.bodies[pair.one].name, company.bodies[pair.other].name
+                one, other = system.bodies[pair.one].name, system.bodies[pair.other].name
                 text = "touches" if distance <= 0 else f"is {distance:.4g} m from"
                 found.setdefault(f"{one} {other}", f"stored row {row}: {one} {text} {other}")
     return list(found.values())

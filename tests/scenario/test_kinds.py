@@ -1,0 +1,63 @@
+"""Every kind of obstacle in every room that has to know it: one table, a row per kind."""
+
+from typing import get_args
+
+import numpy as np
+import pytest
+from trimesh.creation import box as box_mesh
+
+import jaxsusp as js
+from jaxsusp.freespace.bodies import obstacle_bodies
+from jaxsusp.report.drawing.solids import of_obstacle
+from jaxsusp.scenario.models import Obstacle
+from jaxsusp.scenario.world import build_world
+from jaxsusp.vec3 import Vec3
+from jaxsusp.verify.bodies import obstacle_shape
+
+PLACE = {"center": (1.5, 0.5, 0.6)}
+SAMPLES = {
+    "box": {"size": (0.4, 0.6, 0.8)},
+    "cylinder": {"radius": 0.25, "height": 0.9},
+    "sphere": {"radius": 0.35},
+    "mesh": {"scale": 0.5},
+}
+KINDS = {each.model_fields["kind"].default: each for each in get_args(get_args(Obstacle)[0])}
+
+
+@pytest.fixture
+def scenario(request, tmp_path, scenarios) -> js.Scenario:
+    """The first benchmark scenario with one obstacle of the kind."""
+    kind = request.param
+    content = scenarios[0].model_dump() | {"obstacles": [{"kind": kind} | PLACE | SAMPLES[kind]]}
+    if kind == "mesh":
+        box_mesh((0.8, 1.2, 1.6)).export(tmp_path / "crate.stl")
+        content["obstacles"][0]["file"] = str(tmp_path / "crate.stl")
+    return js.Scenario.model_validate(content)
+
+
+def test_every_kind_has_a_row():
+    assert SAMPLES.keys() == KINDS.keys()
+
+
+@pytest.mark.parametrize("scenario", SAMPLES, indirect=True)
+@pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3)])
+def test_all_rooms_agree_where_the_body_ends(scenario, axis):
+    """Along an axis from the centre: drawn, measured, packed and avoided, it is the same body."""
+    (obstacle,) = scenario.obstacles
+    center = np.array(obstacle.center)
+    far = obstacle_shape(obstacle).support(axis[None])[0] - axis @ center
+    assert far > 0.1
+    corners = of_obstacle(obstacle).corners - center
+    assert (corners @ axis).max() == pytest.approx(far, rel=0.02)
+
+    def met(start, stop) -> bool:
+        packed = build_world(scenario).obstacles
+        a, b = (Vec3(*(center + share * axis)) for share in (start, stop))
+        return any(bool(np.any(kind.met_by(a, b, np.array(0.0)))) for kind in packed)
+
+    assert met(far - 1e-6, far + 1)
+    assert not met(far + 1e-6, far + 1)
+
+    around_load, *shadows = obstacle_bodies(scenario, obstacle, "obstacle")
+    assert (around_load.faces.excess((center + far * axis)[None]) < 0).all()
+    assert len(shadows) == len(scenario.robots)
