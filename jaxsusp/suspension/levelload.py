@@ -26,7 +26,7 @@ def ends_at(world: World, position: Vec3, drive: str) -> Vec3:
     """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode (§1).
 
     Where ends move, those of separate attachments are moved on until they hold the load level,
-    see `mechanics.levelling`.
+    see `mechanics.posture.levelling`.
     """
     bodies = world.bodies
     ends = ends_along(drive, position, Anchors(world.start, bodies.attachments, bodies.ends))

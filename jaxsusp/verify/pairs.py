@@ -52,7 +52,7 @@ class System:
     """The bodies and pairs of one plan.
 
     With separate attachments the load turns by up to the posture limit: load and cables then take
-    the room of every such turn (`world.warning_shape`).
+    the room of every such turn (`scenario.world.warning_shape`).
 
     Args:
         rigging: the system along its path.

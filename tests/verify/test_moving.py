@@ -160,7 +160,7 @@ def test_ends_that_lead_a_cable_through_a_thin_sheet_between_two_points_are_foun
 def test_what_points_do_beyond_their_first_order_motion_is_bounded(rigging):
     """Also where they go away and come back, so that the rate in the middle tells nothing."""
     search = _Search(rigging, first_only=False)
-    pairs, path = search._company, rigging.law.path
+    system, path = search._system, rigging.law.path
     low, high = path.span
     rng = np.random.default_rng(5)
     middle = rng.uniform(low, high, 40)
@@ -169,13 +169,13 @@ def test_what_points_do_beyond_their_first_order_motion_is_bounded(rigging):
     shares = np.linspace(-1, 1, 41)
 
     def points(u):
-        return pairs.locate(path.curve(u), rigging.ends_at(u))
+        return system.locate(path.curve(u), rigging.ends_at(u))
 
     at = points(middle)
     for _ in range(30):
-        a, b = rng.integers(1, len(pairs.along), (2, 40))
+        a, b = rng.integers(1, len(system.along), (2, 40))
         rows = np.arange(40)
-        rest = motion.rest(pairs, a, b, half)
+        rest = motion.rest(system, a, b, half)
         rate = motion.rates[rows, a] - motion.rates[rows, b]
         apart = at[rows, a] - at[rows, b]
         for share in shares:

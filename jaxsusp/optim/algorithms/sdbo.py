@@ -50,7 +50,7 @@ def sdbo(frame: str = "world", **coefficients: float) -> Optimizer:
     """Stable dung beetle optimisation.
 
     Args:
-        frame: "world" (the paper) or "task", see `jaxsusp.optim.dbo`; Eq. 19 scales about the
+        frame: "world" (the paper) or "task", see `jaxsusp.dbo`; Eq. 19 scales about the
             same origin.
         **coefficients: any other field of `SdboCoefficients`.
 
