@@ -10,6 +10,8 @@ import pytest
 sys.path.append(str(Path(__file__).parents[1] / "docs"))
 import house
 
+pytestmark = pytest.mark.fast
+
 MODULES, IMPORTS = house.modules(), house.imports()
 
 
@@ -43,6 +45,12 @@ def test_no_modules_import_one_another_in_a_circle():
         TopologicalSorter(graph).prepare()
     except CycleError as error:
         pytest.fail(" -> ".join(reversed(error.args[1])))
+
+
+def test_the_page_lists_todays_files():
+    """`python docs/house.py` writes it anew."""
+    page = (house.DOCS / "architecture.md").read_text(encoding="utf-8")
+    assert house.listing() in page
 
 
 def test_imports_are_found_wherever_they_stand(tmp_path):

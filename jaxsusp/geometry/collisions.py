@@ -12,7 +12,7 @@ import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
 from jaxsusp.geometry.cables import attachment
-from jaxsusp.geometry.obstacles import Boxes, Cylinders, Obstacles, Spheres
+from jaxsusp.geometry.obstacles import KINDS, Boxes, Cylinders, Obstacles, Spheres
 from jaxsusp.geometry.segments import (
     segment_meets_box,
     segment_meets_cylinder,
@@ -82,8 +82,8 @@ def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> In
     margin = SINGLE_PRECISION_MARGIN if position.x.dtype == jnp.float32 else 0.0
     bodies = bodies._replace(clearance=bodies.clearance + margin)
     hits = jnp.zeros(motion.step.x.shape, jnp.int32)
-    for kind, contacts in zip(obstacles, (_with_box, _with_cylinder, _with_sphere), strict=True):
-        hits = _accumulate(contacts, kind, motion, bodies, hits)
+    for kind in KINDS:
+        hits = _accumulate(_CONTACTS[kind], getattr(obstacles, kind), motion, bodies, hits)
     return hits.sum(axis=0)
 
 
@@ -189,6 +189,9 @@ def _with_sphere(sphere: Spheres, motion: Motion, bodies: Bodies) -> Array:
             met &= dot(normal, end_own) ** 2 <= dot(normal, normal) * radius**2
         total += met.astype(jnp.int32)
     return total
+
+
+_CONTACTS = {"boxes": _with_box, "cylinders": _with_cylinder, "spheres": _with_sphere}
 
 
 class _Cable(NamedTuple):

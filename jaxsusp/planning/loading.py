@@ -39,9 +39,9 @@ def _plan(document: dict[str, Any], path: Path) -> Plan:
     document = _brought_up(document)
     scenario = Scenario.from_toml(document["scenario"], path)
     if scenario.digest != document["scenario_digest"]:
-        raise InputError(
-            f"{path}: a mesh that its scenario names has changed since; restore it or plan again"
-        )
+        changed = any(obstacle.kind == "mesh" for obstacle in scenario.obstacles)
+        what = "a mesh that its scenario names" if changed else "what its scenario means"
+        raise InputError(f"{path}: {what} has changed since; restore it or plan again")
     arrays, sizes = {}, {"cables": len(scenario.robots)}
     for field, (name, shape) in ARRAYS.items():
         array = np.array(numbers(document[name]), np.float64)

@@ -27,7 +27,11 @@ class Scenario(Statement):
 
     @model_validator(mode="after")
     def _is_admissible(self) -> "Scenario":
-        if problems := inadmissible(self):
+        try:
+            problems = inadmissible(self)
+        except ValueError as error:  # pydantic would take a fault of ours for a person's
+            raise RuntimeError("the checks of a scenario failed") from error
+        if problems:
             raise ScenarioError(*problems)
         return self
 
@@ -64,7 +68,8 @@ class Scenario(Statement):
     @property
     def digest(self) -> str:
         """SHA-256 of the content: all values and the bytes of meshes, wherever the files lie."""
-        content = self.model_dump()
+        content = self.model_dump(exclude_none=True)  # a new key changes no digest until it is used
+        content["limits"].setdefault("joint_limits_deg", None)  # was there before this rule
         for obstacle in content["obstacles"]:
             if obstacle["kind"] == "mesh":
                 data = Path(obstacle["file"]).read_bytes()

@@ -181,9 +181,17 @@ def cast_world(world: World, dtype) -> World:
 
 
 def _limits(limits) -> Limits:
-    turn = math.radians(limits.posture_deg)
-    numbers = (*limits.tension, *limits.cable_length, limits.stability, turn, limits.separation)
-    return Limits(*map(_scalar, numbers))
+    low, high = limits.tension
+    shortest, longest = limits.cable_length
+    return Limits(
+        tension_low=_scalar(low),
+        tension_high=_scalar(high),
+        length_low=_scalar(shortest),
+        length_high=_scalar(longest),
+        stability=_scalar(limits.stability),
+        posture=_scalar(math.radians(limits.posture_deg)),
+        separation=_scalar(limits.separation),
+    )
 
 
 def _robots(scenario: Statement) -> Robots:

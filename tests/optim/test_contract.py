@@ -1,6 +1,7 @@
 """What every optimiser owes: one table of algorithms times one table of problems."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,24 +23,45 @@ class RandomState(NamedTuple):
     best: Best
 
 
-def sphere(x):
-    return jnp.sum((x - 0.7) ** 2)
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Landscape:
+    """A paraboloid, whose faults are arguments: one compiled program serves all of them."""
+
+    beyond: Any  # NaN where x[0] is more
+    before: Any  # -inf where it is less
+
+    def __call__(self, x):
+        value = jnp.sum((x - 0.7) ** 2)
+        beyond, before = (jnp.asarray(each, x.dtype) for each in (self.beyond, self.before))
+        return jnp.where(x[0] > beyond, jnp.nan, jnp.where(x[0] < before, -jnp.inf, value))
 
 
-def holes(x):
-    """A paraboloid that is NaN on half of the space and -inf on a slab of it."""
-    value = jnp.sum((x - 0.7) ** 2)
-    return jnp.where(x[0] > 1, jnp.nan, jnp.where(x[0] < -1.5, -jnp.inf, value))
+sphere = Landscape(np.float64(np.inf), np.float64(-np.inf))
+holes = Landscape(np.float64(1.0), np.float64(-1.5))
+nowhere = Landscape(np.float64(-np.inf), np.float64(-np.inf))
+
+SIZES = {"iterations": 60, "population": 20}
+"""Of all searches that every algorithm makes; with three or four runs they share a program."""
 
 
 def problem(function, dtype=np.float64, dim=4) -> js.Problem:
     return js.Problem(function, -2 * np.ones(dim, dtype), 2 * np.ones(dim, dtype))
 
 
+@pytest.mark.fast
+def test_every_algorithm_is_known_everywhere_by_one_name():
+    """A row here, a row in `optim.choices`, a public factory."""
+    assert PER_STEP.keys() == js.ALGORITHMS.keys()
+    for name in js.ALGORITHMS:
+        assert algorithm(name).name == name
+        assert hasattr(js, name.removesuffix("-task"))
+
+
 @pytest.mark.parametrize("name", js.ALGORITHMS)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_minimises_in_the_dtype_of_the_bounds(name, dtype):
-    result = js.minimize(problem(sphere, dtype), name, runs=3, iterations=60, population=20)
+    result = js.minimize(problem(sphere, dtype), name, runs=3, **SIZES)
     assert result.x.shape == (3, 4)
     assert result.x.dtype == result.fitness.dtype == result.history.dtype == dtype
     assert result.history.shape == (3, 60)
@@ -53,7 +75,7 @@ def test_minimises_in_the_dtype_of_the_bounds(name, dtype):
 
 @pytest.mark.parametrize("name", js.ALGORITHMS)
 def test_what_is_not_finite_never_becomes_a_best(name):
-    result = js.minimize(problem(holes), name, runs=4, iterations=40, population=12)
+    result = js.minimize(problem(holes), name, runs=4, **SIZES)
     assert np.isfinite(result.fitness).all()
     assert np.isfinite(result.x).all()
     assert ((result.x[:, 0] <= 1) & (result.x[:, 0] >= -1.5)).all()
@@ -62,8 +84,7 @@ def test_what_is_not_finite_never_becomes_a_best(name):
 
 @pytest.mark.parametrize("name", js.ALGORITHMS)
 def test_nothing_but_nan_is_reported_as_infinite(name):
-    everywhere = problem(lambda x: jnp.nan * x.sum())
-    result = js.minimize(everywhere, name, runs=2, iterations=5, population=8)
+    result = js.minimize(problem(nowhere), name, runs=4, **SIZES)
     assert np.isposinf(result.fitness).all()
     assert np.isposinf(result.history).all()
 
@@ -81,11 +102,11 @@ def test_evaluations_are_counted_by_what_the_program_does(name, problems):
 @pytest.mark.parametrize("name", js.ALGORITHMS)
 def test_a_run_depends_on_seed_name_and_index_alone(name):
     """Bit-equal whatever the number of runs that share the program; the seed changes it."""
-    few = js.minimize(problem(sphere), name, seed=5, runs=2, iterations=20, population=8)
-    many = js.minimize(problem(sphere), name, seed=5, runs=7, iterations=20, population=8)
-    np.testing.assert_array_equal(few.x, many.x[:2])
-    np.testing.assert_array_equal(few.history, many.history[:2])
-    other = js.minimize(problem(sphere), name, seed=6, runs=2, iterations=20, population=8)
+    few = js.minimize(problem(sphere), name, seed=5, runs=3, **SIZES)
+    many = js.minimize(problem(sphere), name, seed=5, runs=7, **SIZES)
+    np.testing.assert_array_equal(few.x, many.x[:3])
+    np.testing.assert_array_equal(few.history, many.history[:3])
+    other = js.minimize(problem(sphere), name, seed=6, runs=3, **SIZES)
     assert not np.array_equal(few.history, other.history)
 
 

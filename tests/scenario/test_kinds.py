@@ -2,17 +2,21 @@
 
 from typing import get_args
 
+import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 from trimesh.creation import box as box_mesh
 
 import jaxsusp as js
 from jaxsusp.freespace.bodies import obstacle_bodies
+from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.report.drawing.solids import of_obstacle
 from jaxsusp.scenario.models import Obstacle
 from jaxsusp.scenario.world import build_world
 from jaxsusp.vec3 import Vec3
 from jaxsusp.verify.bodies import obstacle_shape
+from jaxsusp.verify.model import _geom as add_obstacle
 
 PLACE = {"center": (1.5, 0.5, 0.6)}
 SAMPLES = {
@@ -57,6 +61,31 @@ def test_all_rooms_agree_where_the_body_ends(scenario, axis):
 
     assert met(far - 1e-6, far + 1)
     assert not met(far + 1e-6, far + 1)
+
+    def counted(share) -> bool:
+        """A speck of a load at rest, and then a hair of a cable along the axis."""
+        nothing = np.array(0.0)
+        at = Vec3(*(jnp.asarray([c, c]) for c in center + share * axis))
+        hook, end = (Vec3(*each.reshape(3, 1)) for each in (np.zeros(3), center + 9 * axis))
+        speck = Bodies(nothing, nothing, nothing, nothing, hook, end.each(lambda c: c[:0]))
+        packed = build_world(scenario).obstacles
+        load = int(count_collisions(at, speck, packed))
+        both = int(count_collisions(at, speck._replace(ends=end), packed))
+        assert both == 2 * load
+        return load > 0
+
+    assert counted(far - 1e-6)
+    assert not counted(far + 1e-6)
+
+    spec = mujoco.MjSpec()
+    add_obstacle(spec.worldbody, "obstacle", obstacle_shape(obstacle))
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    geom = np.zeros(1, np.int32)
+    away = center + (far + 1) * axis
+    hit = mujoco.mj_ray(model, data, away, -axis, None, 1, -1, geom)
+    assert hit == pytest.approx(1, abs=1e-6)
 
     around_load, *shadows = obstacle_bodies(scenario, obstacle, "obstacle")
     assert (around_load.faces.excess((center + far * axis)[None]) < 0).all()
