@@ -5,6 +5,7 @@ import pytest
 from jaxsusp._files import atomic_path, write_text
 
 
+@pytest.mark.fast
 def test_new_content_replaces_the_old(tmp_path):
     target = tmp_path / "table.csv"
     target.write_text("old")
@@ -13,6 +14,7 @@ def test_new_content_replaces_the_old(tmp_path):
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
 def test_a_failure_leaves_the_old_file_and_no_debris(tmp_path, error):
     target = tmp_path / "table.csv"
@@ -29,6 +31,7 @@ def test_a_failure_leaves_the_old_file_and_no_debris(tmp_path, error):
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.fast
 def test_the_target_keeps_its_old_content_while_the_new_is_written(tmp_path):
     target = tmp_path / "table.csv"
     target.write_text("old")
@@ -40,6 +43,7 @@ def test_the_target_keeps_its_old_content_while_the_new_is_written(tmp_path):
     assert target.read_text() == "new"
 
 
+@pytest.mark.fast
 def test_a_link_stays_a_link(tmp_path):
     real, link = tmp_path / "real.txt", tmp_path / "link.txt"
     real.write_text("old")
@@ -49,11 +53,13 @@ def test_a_link_stays_a_link(tmp_path):
     assert real.read_text() == "new"
 
 
+@pytest.mark.fast
 def test_a_missing_folder_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match="there is no folder"):
         write_text(tmp_path / "absent" / "table.csv", "text")
 
 
+@pytest.mark.fast
 def test_a_block_that_writes_nothing_changes_nothing(tmp_path):
     target = tmp_path / "table.csv"
     target.write_text("old")

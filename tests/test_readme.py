@@ -1,4 +1,4 @@
-"""What the README shows works as it stands there, but for fewer runs and iterations."""
+"""What the README shows works as it stands there, but for fewer runs, iterations and scenarios."""
 
 import re
 from pathlib import Path
@@ -16,12 +16,15 @@ def blocks(language: str) -> list[str]:
 
 @pytest.mark.parametrize("i", range(len(blocks("python"))))
 def test_examples_run(i, capsys):
-    code = blocks("python")[i].replace("runs=20", "runs=2, iterations=3")
-    exec(compile(code.replace('["pso", js', '["ga", js'), f"README block {i}", "exec"), {})
+    code = blocks("python")[i].replace("runs=20", "runs=2, iterations=6, population=8")
+    code = code.replace('["pso", js', '["ga", js')  # on these two other tests compile it as well
+    code = code.replace("js.compare(", 'js.compare(["scenario-1", "scenario-3"], ')
+    exec(compile(code, f"README block {i}", "exec"), {})
     if "print" in code:
         assert "fitness" in capsys.readouterr().out
 
 
+@pytest.mark.fast
 def test_the_scenario_loads():
     (text,) = blocks("toml")
     scenario = js.Scenario.from_toml(text, "yard.toml")
@@ -29,6 +32,7 @@ def test_the_scenario_loads():
     assert scenario.obstacles[0].yaw_deg == 20
 
 
+@pytest.mark.fast
 def test_commands_and_files_exist():
     targets = set(re.findall(r"(?:`|^)make (\w+)", README, re.MULTILINE))
     makefile = (Path(__file__).parents[1] / "Makefile").read_text()

@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
 
 import jaxsusp as js
 from jaxsusp.report.comparison.folder import build_tables
+from jaxsusp.scenario.world import build_world, obstacle_counts
 
+terms = jax.jit(js.Problem.terms)
 FILES = Path(__file__).with_name("files")
 
 
@@ -26,15 +29,19 @@ def test_a_comparison_loads_and_its_fitness_is_what_it_was():
     ds = js.load_results(FILES / "compare-0.1.0.nc")
     assert ds.sizes["run"] == 2
     assert {"comparison", "ratios"} <= build_tables(ds).keys()
-    for name in ds["scenario"].values:
-        problem = js.Problem.from_scenario(js.load_scenario(str(name)), 2, 12, "box")
+    scenarios = {str(name): js.load_scenario(str(name)) for name in ds["scenario"].values}
+    counts = obstacle_counts(list(scenarios.values()))
+    for name, scenario in scenarios.items():
+        world = build_world(scenario, counts)
+        problem = js.Problem.from_scenario(scenario, 2, 12, "box", world=world)
         for algorithm in ds["algorithm"].values:
             cell = ds.sel(scenario=name, algorithm=algorithm, run=1)
-            terms = problem.terms(cell["x"].values)
-            np.testing.assert_allclose(terms.total, cell["fitness"], rtol=1e-9)
-            assert int(terms.collisions) == cell["collisions"]
+            found = terms(problem, cell["x"].values)
+            np.testing.assert_allclose(found.total, cell["fitness"], rtol=1e-9)
+            assert int(found.collisions) == cell["collisions"]
 
 
+@pytest.mark.fast
 def test_a_free_space_loads_and_is_still_free():
     space = js.load_free_space(FILES / "scenario-1-0.1.0.free-space.nc")
     assert space.connected

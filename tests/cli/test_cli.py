@@ -22,12 +22,15 @@ from jaxsusp.report.comparison import folder
 from jaxsusp.report.comparison.folder import write_report
 from jaxsusp.report.drawing import scene as scene3d
 
+# The comparison of `tests/comparison`, whose programs need not be compiled again.
 SMALL = ["--scenarios", "scenario-1,scenario-3", "--algorithms", "ga,sdbo"]
-SMALL += ["--runs", "2", "--iterations", "6", "--population", "8"]
+SMALL += ["--runs", "4", "--iterations", "40", "--population", "30"]
 PROGRAM = [str(Path(sys.executable).with_name("jaxsusp"))]
 ENVIRONMENT = {
     **os.environ,
-    "XLA_FLAGS": "--xla_cpu_prefer_vector_width=256",  # as in the tests' own process
+    # As in the tests' own process:
+    "XLA_FLAGS": os.environ.get("XLA_FLAGS") or "--xla_cpu_prefer_vector_width=256",
+    "JAX_NUM_CPU_DEVICES": "2",
     "COLUMNS": "80",
 }
 
@@ -35,7 +38,7 @@ ENVIRONMENT = {
 @pytest.fixture(scope="module")
 def uninterrupted() -> xr.Dataset:
     """What the small comparison finds."""
-    return js.compare(("scenario-1", "scenario-3"), ("ga", "sdbo"), 2, 6, 8)
+    return js.compare(("scenario-1", "scenario-3"), ("ga", "sdbo"), 4, 40, 30)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +96,7 @@ def test_an_interrupt_keeps_what_is_finished_and_resume_completes_it(tmp_path, r
 
 @pytest.mark.usefixtures("quick_pictures")
 def test_json_holds_the_tables_and_no_nan(run, tmp_path):
-    code, out, err = run("compare", *SMALL, "--runs", "2", "--output", tmp_path, "--json")
+    code, out, err = run("compare", *SMALL, "--output", tmp_path, "--json")
     assert code == 0
     printed = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
     assert {"comparison", "ratios", "stability", "files"} <= printed.keys()
@@ -265,6 +268,7 @@ def test_an_interrupt_while_drawing_says_that_the_comparison_is_complete(
 # Progress and pictures
 
 
+@pytest.mark.fast
 def test_pace_counts_neither_compilation_nor_what_was_there():
     now = [0.0]
     pace = Pace(lambda: now[0])

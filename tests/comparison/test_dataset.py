@@ -78,6 +78,7 @@ def test_nan_and_infinity_survive(tmp_path):
     xr.testing.assert_identical(load_results(tmp_path / "odd.nc"), ds)
 
 
+@pytest.mark.fast
 def test_units_come_together_with_gaps_where_nothing_ran():
     short, long = made("pso", (0, 1), iterations=2), made("sdbo", (2,), iterations=4)
     ds = merge([short, long])
@@ -101,6 +102,7 @@ def test_gaps_are_filled_by_a_later_dataset():
         xr.testing.assert_equal(merge([one, two]).sel(algorithm=["pso", "ga"]), expected)
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_trajectory_is_the_best_runs(order):
     better, worse = made(runs=(5,), fitness=[1.0]), made(runs=(3, 4), fitness=[np.inf, 2.0])
@@ -109,6 +111,7 @@ def test_the_trajectory_is_the_best_runs(order):
     assert (ds["curvature_radius"] == 35.0).all()
 
 
+@pytest.mark.fast
 def test_runs_that_found_nothing_still_have_a_trajectory():
     ds = merge([made(runs=(0,), fitness=[np.inf]), made(runs=(1,), fitness=[np.inf])])
     assert (ds["position"] == 30.0).all()
@@ -121,16 +124,19 @@ def test_times_add_up_and_counts_do_not():
     assert ds["fitness"].values.tolist() == [[[30.0, 31.0, 32.0, 33.0]]]
 
 
+@pytest.mark.fast
 def test_appending_another_algorithm_keeps_the_coefficients_of_both():
     ds = append_results(made("pso"), made("ga"))
     assert json.loads(ds.attrs["coefficients"]) == {"pso": [0.5], "ga": [0.5]}
 
 
+@pytest.mark.fast
 def test_appending_a_run_twice_is_refused():
     with pytest.raises(js.InputError, match=r"run = \[1\] of pso is there twice"):
         append_results(made(runs=(0, 1)), made(runs=(1, 2)))
 
 
+@pytest.mark.fast
 def test_appending_other_settings_is_refused():
     with pytest.raises(js.InputError, match=r"differ in seed \(0 and 1\); append only equal"):
         append_results(made(), made(runs=(2,), seed=1))

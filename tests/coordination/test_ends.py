@@ -23,36 +23,43 @@ def path(scenarios):
 
 
 decoded = jax.jit(decode)
+reachable = jax.jit(arm.reachable)
 
 
 @given(st.lists(st.floats(0, 1), min_size=7, max_size=7))
 @settings(max_examples=60, deadline=None)
-def test_whatever_the_variables_the_ends_are_in_reach(unit):
-    scenario = js.load_scenario("scenario-1")
-    lower, upper = end_bounds(scenario)
-    robots = build_world(scenario).robots
+def test_whatever_the_variables_the_ends_are_in_reach(scenarios, unit):
+    lower, upper = end_bounds(scenarios[0])
+    robots = build_world(scenarios[0]).robots
     for dtype in (np.float32, np.float64):
         x = (lower + (upper - lower) * np.array(unit)).astype(dtype)
-        cast = type(robots)(*(jnp.asarray(leaf, dtype) for leaf in robots))
-        ends = np.asarray(decoded(cast, jnp.asarray(x)), np.float64)
+        cast = type(robots)(*(leaf.astype(dtype) for leaf in robots))
+        ends = np.asarray(decoded(cast, x), np.float64)
         assert np.ptp(ends[:, 2]) == 0
-        assert np.asarray(arm.reachable(robots.base, robots.links, ends)).all()
+        assert np.asarray(reachable(robots.base, robots.links, ends)).all()
         assert 4.2 - 1e-6 <= ends[0, 2] <= 8.8
 
 
 def test_ends_in_reach_are_left_where_they_are(scenarios):
     ends = np.array([robot.end for robot in scenarios[0].robots])
     np.testing.assert_allclose(
-        decode(build_world(scenarios[0]).robots, encode(ends)), ends, atol=1e-9
+        decoded(build_world(scenarios[0]).robots, encode(ends)), ends, atol=1e-9
     )
+
+
+@jax.jit
+def f3_and_f4(fitness, x):
+    terms = fitness.terms(x)
+    return terms.cable, terms.tension_rate
 
 
 def test_the_given_ends_are_worth_what_eq_21_says(scenarios, path):
     ends = np.array([robot.end for robot in scenarios[0].robots])
     worth = evaluate_ends(end_problem(scenarios[0], path), encode(ends))
-    terms = js.Problem.from_scenario(scenarios[0]).terms(LOW.reshape(-1))
-    assert worth.cable == pytest.approx(float(terms.cable), rel=1e-9)
-    assert worth.tension_rate == pytest.approx(float(terms.tension_rate), rel=1e-9)
+    problem = js.Problem.from_scenario(scenarios[0], search="box")
+    cable, rate = f3_and_f4(problem.fitness, LOW.reshape(-1))
+    assert worth.cable == pytest.approx(float(cable), rel=1e-9)
+    assert worth.tension_rate == pytest.approx(float(rate), rel=1e-9)
     assert worth.faults == 0
 
 
@@ -95,9 +102,11 @@ def test_what_is_in_the_way_of_an_arm_is_noticed(scenarios):
     found = jax.jit(choose_postures)(world, position, ends)
     chains = np.asarray(found.chains)
 
+    distance = jax.jit(segment_distance)
+
     def apart(a, b, c, d):
-        points = (Vec3(*(np.atleast_1d(np.asarray(x, float)) for x in p)) for p in (a, b, c, d))
-        return float(segment_distance(*points)[0])
+        points = (Vec3(*np.asarray(p, float)[:, None]) for p in (a, b, c, d))
+        return float(distance(*points)[0])
 
     least, own = np.inf, np.inf
     for row in range(5):
@@ -116,4 +125,6 @@ def test_what_is_in_the_way_of_an_arm_is_noticed(scenarios):
         - (0.08 if a else 0.12) - (0.08 if b else 0.12)
         for j, k in ((0, 1), (0, 2), (1, 2)) for a in range(3) for b in range(3)
     )  # fmt: skip
-    assert float(separation_slack(world, found.chains)) == pytest.approx(between - 0.5, abs=1e-9)
+    assert float(jax.jit(separation_slack)(world, found.chains)) == pytest.approx(
+        between - 0.5, abs=1e-9
+    )

@@ -1,9 +1,17 @@
 """Random scenes for the tests: any kind of obstacle anywhere, any number of robots."""
 
+import functools
+
 import numpy as np
 
 import jaxsusp as js
 from jaxsusp.scenario.models import Box, Cylinder, Robot, Sphere
+
+
+@functools.cache
+def frame() -> js.Scenario:
+    """What all scenes share: loading it checks it, which takes longer than a scene."""
+    return js.load_scenario("scenario-1")
 
 
 def anywhere(random: np.random.Generator, count: int, robots: int) -> js.Scenario:
@@ -15,9 +23,8 @@ def anywhere(random: np.random.Generator, count: int, robots: int) -> js.Scenari
         Robot(base=(5 * x, 5 * y, 0.0), links=(4.0, 3.0, 2.0), end=(6 * x, 6 * y, z))
         for (x, y), z in zip(ring.tolist(), heights.tolist(), strict=True)
     ]
-    frame = js.load_scenario("scenario-1")
     # Checks nothing: what these scenes are for is what no check has looked at.
-    return frame.model_copy(
+    return frame().model_copy(
         update={"robots": tuple(held), "obstacles": tuple(obstacles(random, count))}
     )
 

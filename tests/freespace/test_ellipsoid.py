@@ -54,6 +54,7 @@ def test_it_never_sticks_out(seed, faces):
     assert (reach <= halves.b + 1e-12).all()
 
 
+@pytest.mark.fast
 def test_no_room_gives_no_ellipsoid():
     flat = HalfSpaces.box(np.zeros(3), np.array([1.0, 1.0, 0.0]))
     empty = HalfSpaces.box(np.zeros(3), np.array([1.0, 1.0, -1.0]))
@@ -62,10 +63,12 @@ def test_no_room_gives_no_ellipsoid():
     assert found is None or found.volume < 1e-6
 
 
+@pytest.mark.fast
 def test_volume():
     assert Ellipsoid(np.diag([1.0, 2.0, 3.0]), np.zeros(3)).volume == pytest.approx(8 * np.pi)
 
 
+@pytest.mark.fast
 def test_an_unknown_solver_is_refused():
     with pytest.raises(InputError, match=r"solver = 'MOSEC' is not known.*CLARABEL"):
         require_solver("MOSEC")

@@ -21,6 +21,7 @@ def graph(*boxes) -> RegionGraph:
 CORNER = graph(([0, 0, 0], [1, 4, 1]), ([0, 3, 0], [4, 4, 1]), ([9, 9, 0], [10, 10, 1]))
 
 
+@pytest.mark.fast
 def test_round_a_corner():
     """The shortest way through an L goes through its inner corner (1, 3)."""
     start, goal = np.array([0.5, 0, 0.5]), np.array([4, 3.5, 0.5])
@@ -35,6 +36,7 @@ def test_round_a_corner():
     np.testing.assert_allclose(polyline[1], [1, 3, 0.5], atol=1e-3)
 
 
+@pytest.mark.fast
 def test_no_way_to_another_part():
     start, elsewhere = np.array([0.5, 0, 0.5]), np.array([9.5, 9.5, 0.5])
     assert not CORNER.connect(start, elsewhere)
@@ -42,6 +44,7 @@ def test_no_way_to_another_part():
     assert len(set(CORNER.parts.tolist())) == 2
 
 
+@pytest.mark.fast
 def test_one_region_is_a_straight_line():
     start, goal = np.array([0.5, 0, 0.5]), np.array([0.5, 2, 0.5])
     route = CORNER.route(start, goal)
@@ -50,6 +53,7 @@ def test_one_region_is_a_straight_line():
     assert bound == 2
 
 
+@pytest.mark.fast
 def test_the_shorter_of_two_ways_is_taken():
     """A ring of four corridors round a block: the way over the near side."""
     ring = graph(
@@ -85,6 +89,7 @@ def test_shortest_polyline_is_that_of_another_solver():
         assert bound <= other.fun * (1 + 1e-6)
 
 
+@pytest.mark.fast
 def test_a_straight_line_in_one_of_several_shared_regions_stays_straight():
     """Start and goal lie in the same two regions, and other regions would be a detour."""
     shared = graph(

@@ -55,12 +55,14 @@ def test_emptiness_comes_with_a_proof(seed, gap):
     assert both.b @ found.multipliers < 0
 
 
+@pytest.mark.fast
 def test_a_far_point_is_exact_with_a_scale():
     halves = HalfSpaces.box(np.full(3, -0.5), np.full(3, 0.5))
     found = nearest_point(halves, np.array([4e4, 0.1, -3e4]), scale=5e4).point
     np.testing.assert_allclose(found, [0.5, 0.1, -0.5], atol=1e-9)
 
 
+@pytest.mark.fast
 def test_hull_of_a_box_has_six_faces_and_eight_corners():
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 3)], float)
     body = Body.hull("box", np.concatenate([corners, [[0.5, 1.0, 1.0]]]))
@@ -85,6 +87,7 @@ def test_what_adds_nothing_goes_and_the_body_stays(seed):
         assert np.abs(corners_of(fewer, inside) @ normal - offset).min() < 1e-6
 
 
+@pytest.mark.fast
 def test_volume_of_a_tetrahedron():
     halves = HalfSpaces(
         np.array([[-1.0, 0, 0], [0, -1, 0], [0, 0, -1], [1, 1, 1] / np.sqrt(3)]),

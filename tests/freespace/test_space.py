@@ -1,8 +1,11 @@
 """The free space of a scenario as a whole: sound, connected, kept, and honest where it is not."""
 
+import functools
 from itertools import pairwise
+from typing import NamedTuple
 
 import cvxpy as cp
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -12,10 +15,10 @@ import jaxsusp as js
 from jaxsusp.freespace import build
 from jaxsusp.freespace.bodies import bodies_of
 from jaxsusp.freespace.graph import polyline_length
-from jaxsusp.freespace.iris import proved_apart
+from jaxsusp.freespace.iris import Bodies, proved_apart
 from jaxsusp.freespace.polyhedra import HalfSpaces
 from jaxsusp.scenario.models import Box
-from jaxsusp.scenario.world import build_world
+from jaxsusp.scenario.world import build_world, obstacle_counts
 from jaxsusp.vec3 import Vec3
 
 
@@ -24,20 +27,42 @@ def spaces(scenarios) -> list[js.FreeSpace]:
     return [js.free_space(scenario) for scenario in scenarios]
 
 
+@jax.jit
+def in_a_region(A: jax.Array, b: jax.Array, points: jax.Array) -> jax.Array:
+    """Which points (3, n) lie in a polytope {A p <= b}: ten times as fast as in numpy."""
+
+    def look(found, region):
+        held = jnp.ones_like(found)
+        for (x, y, z), offset in zip(*region, strict=True):
+            held &= x * points[0] + y * points[1] + z * points[2] <= offset
+        return found | held, None
+
+    return jax.lax.scan(look, jnp.zeros(points.shape[1], bool), (A, b))[0]
+
+
+def padded(space: js.FreeSpace, regions: int = 48, faces: int = 16) -> tuple[np.ndarray, ...]:
+    """A and b with regions that hold nothing, so that one program serves all scenarios."""
+    count, rows = space.b.shape
+    A = np.pad(space.A, [(0, regions - count), (0, faces - rows), (0, 0)])
+    b = np.pad(space.b, [(0, 0), (0, faces - rows)], constant_values=1.0)
+    return A, np.pad(b, [(0, regions - count), (0, 0)], constant_values=-1.0)
+
+
 def sampled(space: js.FreeSpace, count: int) -> np.ndarray:
     """Uniform samples of the union of the regions."""
     random, found = np.random.default_rng(0), []
+    polytopes = padded(space)
     while sum(map(len, found)) < count:
         points = random.uniform([-3.5, -3.5, 0.2], [3.5, 3.5, 5.5], (400_000, 3))
-        found.append(points[space.contains(points)])
+        inside = np.asarray(in_a_region(*polytopes, points.T))
+        np.testing.assert_array_equal(inside[:5000], space.contains(points[:5000]))
+        found.append(points[inside])
     return np.concatenate(found)[:count]
 
 
 @pytest.mark.parametrize("number", range(6))
 def test_of_a_million_points_none_collides(scenarios, spaces, number):
-    points = sampled(spaces[number], 1_000_000)
-    for part in np.split(points, 5):
-        assert contacts(scenarios[number], part).max() == 0
+    assert contacts(scenarios[number], sampled(spaces[number], 1_000_000)).max() == 0
 
 
 @pytest.mark.parametrize("number", range(6))
@@ -57,29 +82,54 @@ def test_start_and_goal_are_connected_and_enough_is_covered(scenarios, spaces, n
     assert space.length <= polyline_length(space.centerline)
 
 
+class Sweep(NamedTuple):
+    """Distance of a triangle from an obstacle of one kind, in cvxpy, which compiles it once."""
+
+    problem: cp.Problem
+    triangle: cp.Parameter  # rows
+    center: cp.Parameter
+    turn: cp.Parameter
+    half: cp.Parameter  # extents along the obstacle's axes
+
+
+@functools.cache
+def sweep(kind: str) -> Sweep:
+    triangle, center = cp.Parameter((3, 3)), cp.Parameter(3)
+    turn, half = cp.Parameter((3, 3)), cp.Parameter(3)
+    weights, q = cp.Variable(3, nonneg=True), cp.Variable(3)
+    match kind:
+        case "box":
+            inside = [cp.abs(q) <= half]
+        case "cylinder":
+            inside = [cp.norm(q[:2]) <= half[0], cp.abs(q[2]) <= half[2]]
+        case "sphere":
+            inside = [cp.norm(q) <= half[0]]
+    gap = triangle.T @ weights - (turn @ q + center)
+    problem = cp.Problem(cp.Minimize(cp.norm(gap)), [*inside, cp.sum(weights) == 1])
+    return Sweep(problem, triangle, center, turn, half)
+
+
 def swept_distance(scenario: js.Scenario, robot, obstacle, a: np.ndarray, b: np.ndarray) -> float:
     """Distance of an obstacle from all that a cable sweeps between two positions of the load.
 
-    The triangle of the upper end and the hook's way, against the obstacle itself: cvxpy.
+    The triangle of the upper end and the hook's way, against the obstacle itself.
     """
+    program = sweep(obstacle.kind)
     hook = np.array([0, 0, scenario.payload.height / 2])
-    triangle = np.array([a + hook, b + hook, robot.end])
-    weights, q = cp.Variable(3, nonneg=True), cp.Variable(3)
-    c, s = (
-        np.cos(np.deg2rad(getattr(obstacle, "yaw_deg", 0.0))),
-        np.sin(np.deg2rad(getattr(obstacle, "yaw_deg", 0.0))),
-    )
+    yaw = np.deg2rad(getattr(obstacle, "yaw_deg", 0.0))
+    c, s = np.cos(yaw), np.sin(yaw)
+    program.triangle.value = np.array([a + hook, b + hook, robot.end])
+    program.center.value = np.array(obstacle.center)
+    program.turn.value = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     match obstacle.kind:
         case "box":
-            inside = [cp.abs(q) <= np.array(obstacle.size) / 2]
+            program.half.value = np.array(obstacle.size) / 2
         case "cylinder":
-            inside = [cp.norm(q[:2]) <= obstacle.radius, cp.abs(q[2]) <= obstacle.height / 2]
+            radius = obstacle.radius
+            program.half.value = np.array([radius, radius, obstacle.height / 2])
         case "sphere":
-            inside = [cp.norm(q) <= obstacle.radius]
-    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    gap = triangle.T @ weights - (turn @ q + np.array(obstacle.center))
-    problem = cp.Problem(cp.Minimize(cp.norm(gap)), [*inside, cp.sum(weights) == 1])
-    return float(problem.solve("CLARABEL"))
+            program.half.value = np.full(3, obstacle.radius)
+    return float(program.problem.solve("CLARABEL", warm_start=False))
 
 
 @pytest.mark.parametrize("number", range(6))
@@ -91,7 +141,7 @@ def test_the_polyline_is_clear_at_every_instant(scenarios, spaces, number):
         for obstacle in scenario.obstacles:
             for robot in scenario.robots:
                 assert swept_distance(scenario, robot, obstacle, a, b) >= least
-        world = build_world(scenario)
+        world = build_world(scenario, obstacle_counts(scenarios))
         load = world.bodies._replace(ends=world.bodies.ends.each(lambda c: c[:0]))
         assert int(count(Vec3(*jnp.asarray([a, b]).T), load, world.obstacles)) == 0
 
@@ -99,9 +149,12 @@ def test_the_polyline_is_clear_at_every_instant(scenarios, spaces, number):
 @pytest.mark.parametrize("number", range(6))
 def test_no_region_meets_a_body(scenarios, spaces, number):
     """But for a thousandth of a millimetre, which is what proofs of almost touching need."""
+    bodies = Bodies(bodies_of(scenarios[number]))
     for region in spaces[number].regions:
         polytope = HalfSpaces(region.polytope.A, region.polytope.b - 1e-6)
-        assert all(proved_apart(polytope, body) for body in bodies_of(scenarios[number]))
+        beyond = [bodies.beyond(*face) for face in zip(*polytope, strict=True)]
+        rest = np.flatnonzero(~np.any(beyond, axis=0))  # what no face keeps out alone
+        assert all(proved_apart(polytope, bodies.bodies[i]) for i in rest)
 
 
 def test_arrays_are_frozen_and_padding_is_no_face(spaces):
@@ -151,6 +204,7 @@ def test_it_is_computed_once_by_content(scenarios, spaces, monkeypatch):
             other()
 
 
+@pytest.mark.fast
 def test_a_damaged_cache_is_written_anew(monkeypatch, tmp_path):
     monkeypatch.setenv("JAXSUSP_CACHE", str(tmp_path))
     open_field = js.load_scenario("scenario-1").model_copy(update={"obstacles": ()})

@@ -1,6 +1,7 @@
 """Distance of two segments against a convex minimisation that we did not write."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -27,6 +28,7 @@ def test_it_is_the_least_distance(a, b, c, d):
     assert abs(distance(a, b, c, d) - np.sqrt(2 * best.cost)) < 1e-6
 
 
+@pytest.mark.fast
 def test_it_is_symmetric_and_exact_where_it_is_known():
     assert distance([0, 0, 0], [2, 0, 0], [1, -1, 3], [1, 1, 3]) == 3
     assert distance([0, 0, 0], [2, 0, 0], [5, 4, 0], [5, 9, 0]) == 5

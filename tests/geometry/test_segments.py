@@ -55,6 +55,7 @@ def test_agrees_with_dense_sampling(kind):
     assert 0.15 < found.mean() < 0.85
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("kind", MEETS)
 def test_touching_counts(kind):
     """Segments that end exactly on the surface, seen from outside."""
@@ -64,6 +65,7 @@ def test_touching_counts(kind):
     assert not meets(kind, (1 + 1e-12) * a, 3 * a).any()
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("cap", [HEIGHT, -HEIGHT])
 def test_a_level_segment_in_the_plane_of_a_cap_touches(cap):
     a, b = np.array([[-2, 0.25, cap]]), np.array([[2, 0.25, cap]])

@@ -103,6 +103,7 @@ def test_one_base_serves_a_batch_of_ends():
     np.testing.assert_allclose(rebuilt[:2], ends[:2], atol=1e-12)
 
 
+@pytest.mark.fast
 def test_the_reach_of_the_paper_s_arm_is_one_to_five_metres():
     assert [float(limit) for limit in reach(LINKS)] == [1.0, 5.0]
 

@@ -1,5 +1,6 @@
 """Stability factor S_c against its definition and scipy's convex hull."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -15,17 +16,22 @@ from jaxsusp.vec3 import Vec3
 
 
 def vec(rows) -> Vec3:
-    return Vec3.from_array(jnp.asarray(rows, jnp.float64))
+    return Vec3(*np.moveaxis(np.asarray(rows, np.float64), -1, 0))
+
+
+gauge = polygon_gauge
+POINTS = 200
+"""How many positions are looked at, everywhere, so that polygons of one size share a program."""
 
 
 def test_gauge_of_a_triangle_is_barycentric():
     """1 - ρ = 3 min_k w_k for three ends."""
     ends = np.array([[0, 6, 7], [-5, -3, 7], [5.5, -2, 7.0]])
-    points = np.random.default_rng(0).uniform(-3, 3, (200, 3))
+    points = np.random.default_rng(0).uniform(-3, 3, (POINTS, 3))
     system = np.vstack([ends[:, :2].T, np.ones(3)])
-    weights = np.linalg.solve(system, np.vstack([points[:, :2].T, np.ones(200)]))
+    weights = np.linalg.solve(system, np.vstack([points[:, :2].T, np.ones(POINTS)]))
     np.testing.assert_allclose(
-        polygon_gauge(vec(points), vec(ends)), 1 - 3 * weights.min(axis=0), atol=1e-12
+        gauge(vec(points), vec(ends)), 1 - 3 * weights.min(axis=0), atol=1e-12
     )
 
 
@@ -42,22 +48,20 @@ def test_gauge_of_any_polygon_about_its_area_centroid(seed, count):
     centroid = sum(w * (a + b + c) / 3 for w, (a, b, c) in zip(areas, fan, strict=True)) / sum(
         areas
     )
-    points = rng.uniform(-6, 6, (50, 3))
+    points = rng.uniform(-6, 6, (POINTS, 3))
     normals, offsets = hull.equations[:, :2], hull.equations[:, 2]
     reach = -(normals @ centroid + offsets)
     expected = np.maximum(0, (normals @ (points[:, :2] - centroid).T / reach[:, None]).max(axis=0))
-    np.testing.assert_allclose(
-        polygon_gauge(vec(points), vec(ends)), expected, rtol=1e-8, atol=1e-9
-    )
+    np.testing.assert_allclose(gauge(vec(points), vec(ends)), expected, rtol=1e-8, atol=1e-9)
 
 
 def test_four_ends_with_one_on_an_edge_count_the_edge_once():
     square = [[0, 0, 7], [2, 0, 7], [2, 2, 7], [0, 2, 7.0]]
     middle = [1.0, 0.0, 7.0]
-    points = np.random.default_rng(0).uniform(0, 2, (20, 3))
+    points = np.random.default_rng(0).uniform(0, 2, (POINTS, 3))
     np.testing.assert_allclose(
-        polygon_gauge(vec(points), vec([*square, middle])),
-        polygon_gauge(vec(points), vec(square)),
+        gauge(vec(points), vec([*square, middle])),
+        gauge(vec(points), vec(square)),
         atol=1e-12,
     )
 
@@ -81,6 +85,7 @@ def test_factors_by_hand():
     assert float(stability(factors)) == pytest.approx((1 + (6 / 6.8) ** (1 / 3)) / 2)
 
 
+@pytest.mark.fast
 def test_slack_unequal_and_undefined_tensions_earn_nothing():
     ends = vec([[0, 6, 7], [-5, -3, 7], [5, -3, 7.0]])
     at = jnp.asarray(0.0)
@@ -98,10 +103,10 @@ def test_about_forty_per_cent_of_the_admissible_workspace_is_in_the_window(scena
     world = build_world(scenarios[0])
     rng = np.random.default_rng(0)
     points = rng.uniform(scenarios[0].workspace.lower, scenarios[0].workspace.upper, (20000, 3))
-    _, tensions = tensions_at(world, vec(points))
+    _, tensions = jax.jit(tensions_at)(world, vec(points))
     tensions = np.array(tensions)
     admissible = ((tensions >= 1) & (tensions <= 100)).all(axis=0)
-    factor = np.asarray(waypoint_stability(world, jnp.asarray(points.ravel())))
+    factor = np.asarray(jax.jit(waypoint_stability)(world, points.ravel()))
     share = ((factor >= 0.6) & (factor <= 0.9))[admissible].mean()
     assert 0.35 < share < 0.45
     assert ((factor >= 0) & (factor <= 1)).all()

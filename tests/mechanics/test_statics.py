@@ -3,6 +3,7 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -50,6 +51,7 @@ def test_rotation_is_scipys_extrinsic_xyz(angles):
     np.testing.assert_allclose(rotation(jnp.asarray(angles)), expected, atol=1e-12)
 
 
+@pytest.mark.fast
 def test_structure_matrix_is_the_gradient_of_the_cable_lengths():
     """Virtual work: -dl_k/dH = u_k, and -dl_k/dθ = (R B'_k) × u_k."""
     rng = np.random.default_rng(0)
@@ -73,6 +75,7 @@ def test_structure_matrix_is_the_gradient_of_the_cable_lengths():
     np.testing.assert_allclose(matrix, gradient, atol=1e-8)
 
 
+@pytest.mark.fast
 def test_wrench_holds_weight_and_inertia():
     found = wrench(
         jnp.asarray(10.0), jnp.asarray([1.0, 2.0, 3.0]), jnp.asarray([0.1, 0.2, 0.3]), jnp.ones(3)

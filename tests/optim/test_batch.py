@@ -9,35 +9,31 @@ from jaxsusp.comparison.workunit import stack_scenarios
 from jaxsusp.optim import batch
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import run_key
+from jaxsusp.optim.registry import algorithm
 
 # Candidates keep their arithmetic whatever the shape of the batch; only XLA's choice of fused
 # multiply-adds may differ between programs, which is a few units in the last place of float32.
 TOLERANCE = 1e-5
 
 
-def stacked(scenarios):
-    (group,) = stack_scenarios(scenarios, 5, 40, "box")
+# Sizes and scenarios of the comparison in `tests/comparison`, whose programs are used here too.
+SIZES = {"iterations": 40, "population": 30}
+
+
+def stacked(scenarios, search="free-space"):
+    (group,) = stack_scenarios(scenarios, 5, 40, search)
     return group.problems
 
 
-@pytest.fixture(scope="module")
-def programs(scenarios):
-    """Histories of the swarm and of SDBO on the last scenario, in batches of several shapes."""
-    found = {}
-    for make in (js.pso, js.sdbo):
-        both = run_batch(stacked([scenarios[0], scenarios[5]]), make(), 0, range(6), 40, 30)
-        few = run_batch(stacked([scenarios[0], scenarios[5]]), make(), 0, [4, 1], 40, 30)
-        alone = run_batch(stacked([scenarios[5]]), make(), 0, [4], 40, 30)
-        found[make().name] = both, few, alone
-    return found
-
-
 @pytest.mark.parametrize("name", ["pso", "sdbo"])
-def test_a_run_does_not_depend_on_what_shares_the_batch(programs, name):
+def test_a_run_does_not_depend_on_what_shares_the_batch(scenarios, name):
     """Fewer runs, another order, one device instead of two, one scenario instead of two."""
-    both, few, alone = programs[name]
-    np.testing.assert_allclose(few.history, both.history[:, [4, 1]], rtol=TOLERANCE)
-    np.testing.assert_allclose(alone.history[0], both.history[1, [4]], rtol=TOLERANCE)
+    optimizer = algorithm(name)
+    both = run_batch(stacked([scenarios[0], scenarios[2]]), optimizer, 0, range(4), **SIZES)
+    few = run_batch(stacked([scenarios[0], scenarios[2]]), optimizer, 0, [3, 0, 1], **SIZES)
+    alone = run_batch(stacked([scenarios[2]]), optimizer, 0, [3], **SIZES)
+    np.testing.assert_allclose(few.history, both.history[:, [3, 0, 1]], rtol=TOLERANCE)
+    np.testing.assert_allclose(alone.history[0], both.history[1, [3]], rtol=TOLERANCE)
     assert np.isfinite(both.history).all()
 
 
@@ -50,7 +46,7 @@ def test_one_compilation_serves_all_six_scenarios(scenarios):
         return js.pso().step(key, problem, state)
 
     optimizer = js.Optimizer("counted", js.pso().init, counted_step)
-    six = stacked(scenarios)
+    six = stacked(scenarios, "box")
     outcome = run_batch(six, optimizer, 0, range(2), 4, 6)
     assert outcome.fitness.shape == (6, 2)
     once = len(traces)
@@ -63,15 +59,16 @@ def test_one_compilation_serves_all_six_scenarios(scenarios):
 
 
 def test_the_search_is_in_single_precision_whatever_the_global_setting(scenarios):
-    problems = stacked(scenarios[:1])
+    problems = stacked([scenarios[2]])
     assert jax.config.jax_enable_x64
-    inside = run_batch(problems, js.pso(), 0, range(2), 5, 6)
+    inside = run_batch(problems, js.pso(), 0, [3], **SIZES)
     with jax.enable_x64(False):
-        outside = run_batch(problems, js.pso(), 0, range(2), 5, 6)
+        outside = run_batch(problems, js.pso(), 0, [3], **SIZES)
     assert inside.x.dtype == outside.x.dtype == np.float32
     np.testing.assert_array_equal(inside.history, outside.history)
 
 
+@pytest.mark.fast
 def test_keys_are_those_of_the_specification():
     """fold_in(fold_in(key, fixed hash of the name), i)."""
     import zlib

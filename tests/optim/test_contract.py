@@ -10,7 +10,7 @@ import pytest
 from jax.tree_util import Partial
 
 import jaxsusp as js
-from jaxsusp.optim.base import Best, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.base import Best, Optimizer, best_of, better
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import count_evaluations
 from jaxsusp.optim.registry import algorithm, algorithms
@@ -21,6 +21,10 @@ PER_STEP = {"pso": 1, "ga": 1, "dbo": 1, "sdbo": 2, "dbo-task": 1, "sdbo-task": 
 
 class RandomState(NamedTuple):
     best: Best
+
+
+class RandomInfo(NamedTuple):
+    improved: Any
 
 
 @jax.tree_util.register_dataclass
@@ -115,15 +119,15 @@ def test_chunks_do_not_change_a_run():
     from jaxsusp.optim import batch
 
     stacked = stack_problems([problem(sphere)])
-    whole = run_batch(stacked, js.pso(), 0, range(2), 17, 8)
+    whole = run_batch(stacked, js.pso(), 0, range(3), **SIZES)
     told = []
     original = batch.CHUNKS
     try:
         batch.CHUNKS = 1
-        single = run_batch(stacked, js.pso(), 0, range(2), 17, 8, told.append)
+        single = run_batch(stacked, js.pso(), 0, range(3), **SIZES, report=told.append)
     finally:
         batch.CHUNKS = original
-    assert told == [17]
+    assert told == [60]
     np.testing.assert_array_equal(whole.history, single.history)
 
 
@@ -131,15 +135,15 @@ def test_coefficients_are_arguments_not_constants():
     """Another coefficient, or another call of a factory, compiles nothing anew."""
     traced = []
 
-    def counted(x):
+    def counted(landscape, x):
         traced.append(None)
-        return jnp.sum(x**2)
+        return landscape(x)
 
-    shared = problem(Partial(counted))
-    js.minimize(shared, js.pso(), runs=2, iterations=3, population=5)
+    shared = problem(Partial(counted, sphere))
+    js.minimize(shared, js.pso(), runs=3, **SIZES)
     after_first = len(traced)
-    js.minimize(shared, js.pso(inertia_start=0.7), runs=2, iterations=3, population=5)
-    js.minimize(shared, js.pso(), seed=3, runs=2, iterations=3, population=5)
+    js.minimize(shared, js.pso(inertia_start=0.7), runs=3, **SIZES)
+    js.minimize(shared, js.pso(), seed=3, runs=3, **SIZES)
     compiled_again = len(traced) - after_first
     evaluations_counted = 2 * 2  # counting the evaluations looks at the structure, not at fitness
     assert compiled_again <= evaluations_counted
@@ -156,14 +160,22 @@ def test_a_users_optimizer_is_one_pair_of_functions():
     def step(key, problem, state):
         x = problem.sample(key, 10)
         challenger = best_of(x, problem.evaluate(x))
-        return RandomState(better(challenger, state.best)), NoInfo()
+        improved = (challenger.fitness < state.best.fitness).astype(x.dtype)
+        return RandomState(better(challenger, state.best)), RandomInfo(improved)
+
+    def plain(x):
+        return jnp.sum((x - 0.7) ** 2)
 
     random_search = Optimizer("random", init, step)
-    result = js.minimize(problem(sphere), random_search, runs=2, iterations=200, population=10)
+    result = js.minimize(problem(plain), random_search, runs=2, iterations=200, population=10)
     assert result.evaluations == 10 + 200 * 10
     assert result.fitness.max() < 1
+    falls = (np.diff(result.history, axis=1) < 0).sum(axis=1)
+    improved = (200 * result.info.improved).round()  # the first iteration is no difference
+    assert ((improved == falls) | (improved == falls + 1)).all()
 
 
+@pytest.mark.fast
 def test_bad_choices_have_clear_messages():
     with pytest.raises(js.InputError, match=r"'sdob' is not known; did you mean \"sdbo\""):
         algorithm("sdob")
@@ -186,6 +198,7 @@ def test_bad_choices_have_clear_messages():
         js.Problem(sphere, np.zeros(2), np.array([1.0, np.inf]))
 
 
+@pytest.mark.fast
 def test_gradients_and_vmap_go_through_a_problem():
     shared = problem(sphere)
     x = jnp.full(4, 0.2)

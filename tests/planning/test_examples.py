@@ -8,6 +8,7 @@ from plans import EXAMPLES
 
 import jaxsusp as js
 from jaxsusp.comparison.workunit import stack_scenarios
+from jaxsusp.verify import constraints, simulation
 from jaxsusp.verify.simulation import simulate
 
 
@@ -70,6 +71,7 @@ def test_more_robots_are_compared_like_three():
     assert np.isfinite(ds["fitness"].values).all()
 
 
+@pytest.mark.fast
 def test_what_no_rule_moves_says_why():
     rim = js.load_scenario("rim")
     with pytest.raises(js.InputError, match="bases that roll cannot keep the load level"):
@@ -89,7 +91,11 @@ def test_what_no_rule_moves_says_why():
 RING = tuple((0.07 * x, 0.07 * y, 0.15) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
 
 
-def test_a_load_on_four_separate_cables_is_planned_too():
+def test_a_load_on_four_separate_cables_is_planned_too(monkeypatch):
+    """Looked at every 0.16 s, since equilibria of so many cables take long."""
+    for module in (constraints, simulation):
+        monkeypatch.setattr(module, "INSTANTS", 251)
+    monkeypatch.setattr(simulation, "_EVERY", 80)
     content = js.load_scenario("four-robots").model_dump()
     content["payload"]["attachments"] = RING
     content["task"] |= {"start": (-1.2, 0.9, 1.0), "goal": (1.3, -0.9, 2.5)}

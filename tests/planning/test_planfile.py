@@ -46,6 +46,7 @@ def test_a_plan_loads_back_exactly(plan, file, tmp_path):
     assert (tmp_path / "again.json").read_bytes() == file.read_bytes()
 
 
+@pytest.mark.fast
 def test_a_plan_with_moving_ends_loads_back_exactly(tmp_path):
     plan = js.plan_through(js.load_scenario("base-driven"), EXAMPLES["base-driven"])
     plan.save(tmp_path / "plan.json")
@@ -121,6 +122,7 @@ def test_a_signed_file_that_is_no_plan_is_refused(file, change):
         js.load_plan(file)
 
 
+@pytest.mark.fast
 def test_other_files_are_refused(tmp_path):
     for content in (b"[]", b"{}", b'{"format": "jaxsusp plan", "schema": true}', b"\xff\xfe"):
         (tmp_path / "other.json").write_bytes(content)

@@ -101,8 +101,9 @@ def test_ends_that_are_too_low_are_told_with_cable_and_place(scenarios):
     feasibility.require_possible(scenarios[0])
 
 
-def test_ends_are_led_past_what_fixed_ones_cannot_pass():
+def test_ends_are_led_past_what_fixed_ones_cannot_pass(monkeypatch):
     """The straight way of the example, which no ends that stay can do."""
+    monkeypatch.setattr(steps, "refine", lambda problem, x, seed: x)  # of which nothing is better
     led = js.plan("hybrid", "pso", "placed", **SMALL)
     assert led.feasible, led.reasons
     assert led.ends.shape == (40, 3, 3)
@@ -111,12 +112,14 @@ def test_ends_are_led_past_what_fixed_ones_cannot_pass():
     assert led.settings["fitness"] < 50  # no contact is counted
 
 
+@pytest.mark.fast
 def test_more_ends_than_can_be_led_are_told_before_any_search():
     content = js.load_scenario("six-robots").model_dump() | {"drive": "hybrid"}
     with pytest.raises(js.InputError, match="of at most 4 robots, got 6"):
         js.plan(js.Scenario.model_validate(content), ends="placed")
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -122,6 +122,7 @@ def test_bad_shapes_are_refused(scenarios, waypoints, ends, message):
         js.plan_through(scenarios[0], waypoints, ends)
 
 
+@pytest.mark.fast
 def test_systems_whose_hanging_is_left_open_are_refused():
     rim = js.load_scenario("rim").model_copy(update={"drive": "base"})
     with pytest.raises(js.InputError, match=r'drive = "base" with separate payload.attachments'):
@@ -163,6 +164,7 @@ def test_a_cable_through_its_own_load_is_refused():
     assert limit(good, "share of a cable in its load").value == 0
 
 
+@pytest.mark.fast
 def test_the_share_of_a_cable_in_its_load_is_exact():
     """Straight up from the bottom and aslant from the middle of the side, through a level load."""
     payload = js.load_scenario("rim").payload.model_copy(
@@ -174,6 +176,7 @@ def test_the_share_of_a_cable_in_its_load_is_exact():
     np.testing.assert_allclose(found, [[0.298 / 2, 0.198 / 2, 0.0]], atol=1e-9)
 
 
+@pytest.mark.fast
 def test_ends_that_move_while_the_load_pauses_are_refused():
     scenario = changed(js.load_scenario("hybrid"), task={"goal": (-2.4, 0.0, 1.0)})
     way = np.tile([-2.4, 0.0, 1.0], (3, 1))

@@ -21,6 +21,7 @@ def area(polygon: np.ndarray) -> float:
     return abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("height", [0.0, 0.3, 0.99, 1.2])
 def test_section_of_an_octahedron(height):
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -29,11 +30,13 @@ def test_section_of_an_octahedron(height):
     assert area(found) == pytest.approx(2 * (1 - height) ** 2) if height < 1 else len(found) == 0
 
 
+@pytest.mark.fast
 def test_section_is_cut_off_at_the_rectangle():
     everything = HalfSpaces.box(np.full(3, -9.0), np.full(3, 9.0))
     assert area(freespace.section(everything, 0.0, (-1, -2), (3, 2))) == pytest.approx(16)
 
 
+@pytest.mark.fast
 def test_section_of_an_ellipsoid():
     """Points of the ellipse lie on the ellipsoid, at the height asked for."""
     random = np.random.default_rng(0)

@@ -61,10 +61,12 @@ def loads(**changes):
     return True
 
 
+@pytest.mark.fast
 def test_the_plain_task_is_admissible():
     assert loads()
 
 
+@pytest.mark.fast
 def test_an_end_is_in_reach_up_to_the_stretched_arm():
     assert loads(ends=[(0, 9, 7), *ENDS[1:]])  # 3-4-5: exactly 5 m from the shoulder at (0, 5, 4)
     assert complaints(ends=[(0, 9.001, 7), *ENDS[1:]]) == [
@@ -127,6 +129,7 @@ def test_with_separate_attachments_the_centre_of_mass_must_be_in_the_polygon():
     ]
 
 
+@pytest.mark.fast
 def test_the_attachments_must_be_as_many_as_the_robots():
     assert complaints(payload="attachments = [[0, 0, 0.1], [0, 0, 0.1]]") == [
         'payload.attachments has 2 entries for 3 robots; give one [x, y, z] per robot, or "hook"'
@@ -137,6 +140,7 @@ def test_the_attachments_must_be_as_many_as_the_robots():
     ]
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("attachments", "where"),
     [
@@ -259,6 +263,7 @@ def test_the_polygon_test_agrees_with_the_convex_hull(corners, point):
     assert _surrounded(point, corners) == (depth > 0)
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("point", "inside"),
     [((0, 0), False), ((2, 0), False), ((1, 0), False), ((1, 1), True), ((3, 3), False)],
@@ -268,6 +273,7 @@ def test_corners_and_edges_of_the_polygon_are_outside(point, inside):
     assert _surrounded(np.array(point, float), triangle) == inside
 
 
+@pytest.mark.fast
 def test_ends_in_a_line_surround_nothing():
     line = np.array([(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)])
     assert not _surrounded(np.array([0.5, 0.5]), line)

@@ -75,6 +75,7 @@ def row(obstacle):
     return obstacle.name, obstacle.kind, obstacle.center, size
 
 
+@pytest.mark.fast
 def test_there_are_six_benchmark_scenarios():
     assert scenarios() == tuple(f"scenario-{i}" for i in range(1, 7))
 
@@ -130,6 +131,7 @@ def test_a_short_file_gets_the_defaults_of_the_benchmark():
     assert scenario.task == benchmark.task
 
 
+@pytest.mark.fast
 def test_whole_numbers_stand_for_floats():
     mass = Scenario.from_toml(MINIMAL).payload.mass
     assert (mass, type(mass)) == (10.0, float)
@@ -406,6 +408,7 @@ def test_a_bad_value_is_refused_in_one_sentence(old, new, line):
     assert complaint(changed(old, new)) == f"my.toml: {line}"
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
@@ -464,6 +467,7 @@ def test_an_obstacle_is_named_by_number_and_name(old, new, line):
     assert complaint(MINIMAL + ball + tower) == f"my.toml: {line}"
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("keys", "start", "end"),
     [
@@ -488,6 +492,7 @@ def test_a_scenario_built_in_python_is_checked_too():
         Scenario(name="blocked", task=Task(start=start, goal=scenario.task.goal), **tables)
 
 
+@pytest.mark.fast
 def test_every_problem_is_told_at_once():
     text = changed("mass = 10", "mass = -1", changed("links = [4, 3, 2]", "links = 3"))
     with pytest.raises(ScenarioError) as caught:
@@ -498,6 +503,7 @@ def test_every_problem_is_told_at_once():
     ]
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("text", "line"),
     [

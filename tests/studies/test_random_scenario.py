@@ -1,10 +1,17 @@
 """Fresh scenes: blocked, solvable, the same for the same seed, and admissible files."""
 
+import jax
 import numpy as np
 import pytest
 
 import jaxsusp as js
+from jaxsusp.scenario.world import build_world
 from jaxsusp.studies.random_scenario import blocked, solvable
+
+
+@jax.jit
+def collisions(problem: js.Problem, x: jax.Array) -> jax.Array:
+    return problem.terms(x).collisions
 
 
 @pytest.fixture(scope="module", params=[(0, 3), (2, 10)], ids=str)
@@ -15,9 +22,10 @@ def scene(request) -> js.Scenario:
 def test_it_is_blocked_and_solvable(scene):
     assert blocked(scene)
     assert solvable(scene)
-    problem = js.Problem.from_scenario(scene, search="box")
+    world = build_world(scene, (10, 10, 10))
+    problem = js.Problem.from_scenario(scene, search="box", world=world)
     line = np.linspace(scene.task.start, scene.task.goal, 7)[1:-1].reshape(-1)
-    assert int(problem.terms(line).collisions) > 0
+    assert int(collisions(problem, line)) > 0
 
 
 def test_it_is_a_file_like_any_other(scene, tmp_path):
@@ -47,6 +55,7 @@ def test_open_and_hopeless_scenes_are_told_apart(scenarios):
     )
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -71,7 +71,7 @@ def test_more_robots_hold_more():
     four = js.load_scenario("four-robots")
     three = four.model_copy(update={"robots": four.robots[:3]})
     volumes = [
-        space.volume(space.admissible) for space in map(js.workspace, (three, four), (0.3, 0.3))
+        space.volume(space.admissible) for space in map(js.workspace, (three, four), (0.35, 0.35))
     ]
     assert volumes[1] > 1.2 * volumes[0]
 
@@ -103,6 +103,7 @@ def test_the_command_writes_picture_and_table(tmp_path, monkeypatch, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["workspace.csv", "workspace.png"]
 
 
+@pytest.mark.fast
 def test_bad_requests_are_refused():
     scenario = js.load_scenario("scenario-1")
     for spacing in (0.0, -1.0, float("nan")):

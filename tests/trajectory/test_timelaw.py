@@ -92,6 +92,7 @@ def test_bounds_of_derivatives_bound_them(points):
         assert np.linalg.norm(second, axis=1).max() <= most_bend * (1 + 1e-9) + 1e-9
 
 
+@pytest.mark.fast
 def test_a_load_that_stays_where_it_is_stays_there():
     law = TimeLaw.through(np.tile([1.0, 2.0, 3.0], (5, 1)), 10.0)
     motion = law.at(np.linspace(0, 10, 11))
@@ -100,12 +101,14 @@ def test_a_load_that_stays_where_it_is_stays_there():
         np.testing.assert_allclose(rate, 0, atol=1e-13)
 
 
+@pytest.mark.fast
 def test_points_that_repeat_count_once():
     points = wave()
     path = SmoothPath(np.repeat(points, 2, axis=0))
     assert path.length == pytest.approx(SmoothPath(points).length, rel=1e-12)
 
 
+@pytest.mark.fast
 def test_a_point_that_is_no_point_is_refused():
     with pytest.raises(InputError, match="not finite"):
         SmoothPath(np.array([[0, 0, 0], [np.nan, 0, 0]]))

@@ -1,6 +1,8 @@
 """Certificates where ends and arms move, against distances computed densely and otherwise."""
 
-import jax.numpy as jnp
+import functools
+
+import jax
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -26,6 +28,7 @@ HOOK = np.array([0.0, 0.0, 0.15])
 U = 801
 
 
+@functools.cache
 def rig(drive: str, **limits) -> Rigging:
     """A load that goes over a crate and past a pillar, whatever becomes of the arms."""
     content = js.load_scenario("end-driven").model_dump()
@@ -46,15 +49,23 @@ def rig(drive: str, **limits) -> Rigging:
     )
 
 
+certified = functools.cache(certify)
+
+
 @pytest.fixture(scope="module", params=WAYS)
 def rigging(request) -> Rigging:
     return rig(request.param)
 
 
+@jax.jit
+def least_distance(*points: Vec3) -> jax.Array:
+    return segment_distance(*points).min()
+
+
 def between(a, b, c, d) -> float:
     """Least distance of segments, one pair per row."""
-    points = (Vec3.from_array(jnp.asarray(p)) for p in np.broadcast_arrays(a, b, c, d))
-    return float(segment_distance(*points).min())
+    points = (Vec3(*np.moveaxis(p, -1, 0)) for p in np.broadcast_arrays(a, b, c, d))
+    return float(least_distance(*points))
 
 
 def dense(rigging: Rigging) -> dict[str, float]:
@@ -104,7 +115,7 @@ def dense(rigging: Rigging) -> dict[str, float]:
 
 
 def test_least_distances_are_those_of_a_dense_check(rigging):
-    found = {each.kind: each.value for each in certify(rigging).clearances}
+    found = {each.kind: each.value for each in certified(rigging).clearances}
     for kind, sampled in dense(rigging).items():
         if sampled <= 0:  # how deep bodies overlap is measured in different ways
             assert found[kind] <= 0
@@ -116,7 +127,7 @@ def test_least_distances_are_those_of_a_dense_check(rigging):
 
 
 def test_a_certificate_costs_some_thousands_of_distances(rigging):
-    found = certify(rigging)
+    found = certified(rigging)
     assert found.distances < 20_000
     assert certify(rigging, first_only=True).distances <= found.distances
 
@@ -125,7 +136,7 @@ def test_a_certificate_costs_some_thousands_of_distances(rigging):
 def test_the_clearance_of_a_moving_cable_is_exact(spare, proved):
     """The clearance asked for is a little less, or more, than the least distance of the cables."""
     free = rig("hybrid")
-    least = {each.kind: each for each in certify(free).clearances}["cables to obstacles"]
+    least = {each.kind: each for each in certified(free).clearances}["cables to obstacles"]
     assert 0.05 < least.value < least.value + 1e-3
     contacts = certify(rig("hybrid", clearance=least.value - spare)).contacts
     about_it = [c for c in contacts if c.bodies == least.bodies]
@@ -184,6 +195,7 @@ def test_what_points_do_beyond_their_first_order_motion_is_bounded(rigging):
             assert (np.linalg.norm(off, axis=1) <= rest + 1e-9).all()
 
 
+@pytest.mark.fast
 def test_the_bound_of_bends_is_needed():
     """A way that goes out and back about the middle of an interval has no rate there."""
     path = SmoothPath(np.array([[0, 0, 0], [1, 0.2, 0], [2, 0.4, 0], [3, 0.2, 0], [4, 0, 0.0]]))
@@ -196,6 +208,7 @@ def test_the_bound_of_bends_is_needed():
 
 # Elbows
 
+inverse, known_elbow = jax.jit(arm.inverse), jax.jit(arm.elbow)
 ARMS = st.tuples(st.floats(1.0, 4.0), st.floats(1.0, 4.0))
 
 
@@ -212,9 +225,9 @@ def test_elbows_are_those_of_the_inverse_kinematics_and_no_faster_than_their_bou
     ends = shoulder + (1 - t) * away[0] + t * away[1]
     for up in (True, False):
         found = elbow(shoulder, links, ends[:, None], np.array([up]))[:, 0]
-        solution = arm.inverse(jnp.asarray(base), jnp.asarray(links), jnp.asarray(ends))
+        solution = inverse(base, links, ends)
         joints = solution.elbow_up if up else solution.elbow_down
-        known = arm.elbow(jnp.asarray(base), jnp.asarray(links), joints)
+        known = known_elbow(base, links, joints)
         np.testing.assert_allclose(found, known, atol=1e-6)
         speed = np.linalg.norm(away[1] - away[0])
         one = np.ones((1, 1))
@@ -232,7 +245,7 @@ def test_ends_are_held_and_modes_keep_what_they_keep(rigging):
     u = np.linspace(*rigging.law.path.span, 60)
     ends = rigging.ends_at(u)
     joints, bases = rigging.joints_at(ends), rigging.bases_at(ends)
-    held = arm.forward(jnp.asarray(bases), jnp.asarray(rigging.links)[None], jnp.asarray(joints))
+    held = jax.jit(arm.forward)(bases, rigging.links[None], joints)
     np.testing.assert_allclose(held, ends, atol=1e-9)
     np.testing.assert_allclose(rigging.chains_at(ends)[:, :, 3], ends, atol=1e-9)
     lengths = np.linalg.norm(ends - (rigging.law.path.curve(u) + HOOK)[:, None], axis=-1)

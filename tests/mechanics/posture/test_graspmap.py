@@ -40,6 +40,7 @@ def test_the_rank_of_the_grasp_map_and_what_is_left_over(attachments, expected):
     np.testing.assert_allclose(internal.T @ internal, np.eye(internal.shape[1]), atol=1e-12)
 
 
+@pytest.mark.fast
 def test_three_fixed_cables_leave_no_internal_tension():
     """J is 6×3 of rank 3: N(J) = {0}, and the printed J⁺ = Jᵀ(JJᵀ)⁻¹ does not exist (spec §12)."""
     rng = np.random.default_rng(0)
@@ -66,6 +67,7 @@ def test_any_pose_balances_with_movable_ends_and_any_internal_forces():
         np.testing.assert_allclose(cables_at(pose, load, ends)[1], lengths, rtol=1e-12)
 
 
+@pytest.mark.fast
 def test_the_forces_nearest_to_a_wish_keep_its_internal_part():
     load, pose = load_of(RIM), some_pose()
     wished = jnp.asarray(np.random.default_rng(0).normal(scale=30, size=(3, 3)))

@@ -21,7 +21,7 @@ LEVEL = jnp.eye(3)
 
 def rows(vectors: list[Vec3]) -> np.ndarray:
     """(positions, K, 3)."""
-    return np.stack([np.asarray(v.to_array()) for v in vectors], axis=1)
+    return np.stack([np.stack(v, axis=-1) for v in vectors], axis=1)
 
 
 @pytest.fixture(scope="module")
@@ -29,28 +29,29 @@ def found():
     """A load with an offset centre of mass at 50 random places under random ends."""
     rng = np.random.default_rng(3)
     load = load_of(RIM, center_of_mass=(0.004, -0.003, 0.02))
-    place = Vec3.from_array(jnp.asarray(rng.uniform([-1, -1, 0.5], [1, 1, 3], (50, 3))))
-    lower = [place + Vec3.from_array(at) for at in load.attachments]
+    place = Vec3(*rng.uniform([-1, -1, 0.5], [1, 1, 3], (50, 3)).T)
+    lower = [place + Vec3(*at) for at in np.asarray(load.attachments)]
     azimuth = np.deg2rad([90, 210, 330]) + rng.uniform(-0.3, 0.3, (50, 3))
     ends = np.stack([6 * np.cos(azimuth), 6 * np.sin(azimuth), np.full((50, 3), 7.0)], axis=-1)
     ends += rng.uniform(-0.5, 0.5, ends.shape)
-    vectors = [Vec3.from_array(jnp.asarray(ends[:, k])) - lower[k] for k in range(3)]
+    vectors = [Vec3(*ends[:, k].T) - lower[k] for k in range(3)]
     units = rows(vectors) / np.linalg.norm(rows(vectors), axis=-1, keepdims=True)
     needed = np.array([0, 0, 98.1])
     tensions = np.stack([np.linalg.solve(u.T, needed) for u in units])
-    held = level_ends(lower, vectors, list(jnp.asarray(tensions).T), load)
+    held = jax.jit(level_ends)(lower, vectors, list(tensions.T), load)
     wished = units * tensions[..., None]
-    return load, np.asarray(place.to_array()), rows(lower), rows(vectors), wished, rows(held)
+    return load, np.stack(place, axis=-1), rows(lower), rows(vectors), wished, rows(held)
 
 
 def test_a_level_load_is_balanced_in_forces_and_moments(found):
     load, places, lower, _, _, ends = found
-    for i in range(len(places)):
-        units = (ends[i] - lower[i]) / np.linalg.norm(ends[i] - lower[i], axis=1, keepdims=True)
-        tensions = np.linalg.solve(units.T, [0, 0, 98.1])
-        assert tensions.min() > 0
-        rest = imbalance(Pose(places[i], LEVEL), jnp.asarray(tensions), load, jnp.asarray(ends[i]))
-        np.testing.assert_allclose(rest, 0, atol=1e-9)
+    units = (ends - lower) / np.linalg.norm(ends - lower, axis=-1, keepdims=True)
+    tensions = np.stack([np.linalg.solve(u.T, [0, 0, 98.1]) for u in units])
+    assert tensions.min() > 0
+    rest = jax.vmap(
+        lambda place, tensions, ends: imbalance(Pose(place, LEVEL), tensions, load, ends)
+    )
+    np.testing.assert_allclose(jax.jit(rest)(places, tensions, ends), 0, atol=1e-9)
 
 
 def test_lengths_are_kept_and_forces_are_the_nearest(found):
@@ -58,9 +59,9 @@ def test_lengths_are_kept_and_forces_are_the_nearest(found):
     cables = ends - lower
     lengths = np.linalg.norm(cables, axis=-1)
     np.testing.assert_allclose(lengths, np.linalg.norm(vectors, axis=-1), rtol=1e-12)
+    nearest = jax.jit(nearest_forces)
     for i in range(0, len(places), 7):
-        pose = Pose(jnp.asarray(places[i]), LEVEL)
-        force = np.asarray(nearest_forces(jnp.asarray(wished[i]), pose, load))
+        force = np.asarray(nearest(wished[i], Pose(places[i], LEVEL), load))
         direction = force / np.linalg.norm(force, axis=1, keepdims=True)
         np.testing.assert_allclose(cables[i] / lengths[i, :, None], direction, atol=1e-9)
 
@@ -74,9 +75,10 @@ def test_the_rule_of_a_drive_mode_holds_the_load_level(drive):
     assert hung.stable.all()
     assert float(jnp.abs(hung.turn).max()) < 1e-9
     world = cast_world(build_world(scenario), jnp.float64)
-    ends = ends_at(world, Vec3.from_array(jnp.asarray(way)), drive)
-    lengths, tensions = jax.jit(tensions_at)(world, Vec3.from_array(jnp.asarray(way)), ends)
-    np.testing.assert_allclose(jnp.stack(tensions, axis=-1), hung.tensions, rtol=1e-9)
+    place = Vec3(*way.T)
+    at = jax.jit(lambda world, place: tensions_at(world, place, ends_at(world, place, drive)))
+    lengths, tensions = at(world, place)
+    np.testing.assert_allclose(np.stack(tensions, axis=-1), hung.tensions, rtol=1e-9)
     if drive == "end":
         lengths = np.stack(lengths)
         np.testing.assert_allclose(lengths, np.broadcast_to(lengths[:, :1], lengths.shape))

@@ -60,6 +60,7 @@ def test_only_panels_without_one_below_carry_the_x_label(comparison):
     assert labels == [False, True, True, True]
 
 
+@pytest.mark.fast
 def test_quartiles_know_infinity():
     assert figures.quartiles(np.array([1.0, 2.0, 3.0, 4.0])).tolist() == [1.75, 2.5, 3.25]
     assert figures.quartiles(np.array([1.0, 1.0, np.inf, np.inf])).tolist() == [1, np.inf, np.inf]
@@ -92,6 +93,7 @@ def test_infinite_runs_are_counted_and_not_drawn(comparison):
     assert sum(len(c.get_offsets()) for c in axes.collections) == 9
 
 
+@pytest.mark.fast
 def test_colours_belong_to_the_algorithm():
     alone, all_of_them = styles(["sdbo"]), styles(["pso", "mine", "sdbo-task", "sdbo", "yours"])
     assert alone["sdbo"] == all_of_them["sdbo"]
@@ -130,6 +132,7 @@ def lab(linear):
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("vision", DICHROMACY)
 def test_the_palette_is_distinct_for_every_kind_of_colour_vision(vision):
     seen = {}

@@ -30,12 +30,14 @@ def test_the_quoted_reductions_follow_from_the_table(table, metric, reduction):
     assert round(100 * (1 - ratio), 2) == reduction
 
 
+@pytest.mark.fast
 def test_the_largest_std_is_attained_by_two_points():
     values = np.repeat([1.0, 5.0], [15, 5])
     bound = paper.largest_std(1.0, 5.0, values.mean(), runs=20)
     assert bound == pytest.approx(values.std(ddof=1), rel=1e-14)
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("seed", range(5))
 def test_no_sample_exceeds_the_largest_std(seed):
     values = np.random.default_rng(seed).pareto(0.7, 20)
@@ -43,6 +45,7 @@ def test_no_sample_exceeds_the_largest_std(seed):
     assert values.std(ddof=1) <= bound
 
 
+@pytest.mark.fast
 def test_equal_values_have_no_spread():
     assert paper.largest_std(3.0, 3.0, 3.0) == 0
 

@@ -12,33 +12,39 @@ def values(*numbers):
     return np.array(numbers, float)
 
 
+@pytest.mark.fast
 def test_mann_whitney_of_two_separate_samples_is_exact():
     # of the C(6, 3) = 20 equally likely orders two are as extreme
     assert statistics.mann_whitney(values(1, 2, 3), values(4, 5, 6)) == pytest.approx(2 / 20)
 
 
+@pytest.mark.fast
 def test_mann_whitney_sees_the_order_only():
     a, b = values(1, 2, 5, 7, 9), values(3, 4, 6, 8)
     assert statistics.mann_whitney(a, b) == statistics.mann_whitney(np.exp(a), np.exp(b))
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("same", [values(1, 1, 1), values(INF, INF)])
 def test_equal_samples_differ_in_nothing(same):
     assert statistics.mann_whitney(same, same) == 1
     assert statistics.vargha_delaney(same, same) == 0.5
 
 
+@pytest.mark.fast
 def test_a12_counts_the_pairs_that_a_wins():
     assert statistics.vargha_delaney(values(1, 2, 3), values(4, 5)) == 1
     assert statistics.vargha_delaney(values(1, 4), values(2, 3)) == 0.5
     assert statistics.vargha_delaney(values(1, INF), values(INF, INF)) == 0.75  # (2 + 2·½) / 4
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize("measure", [statistics.mann_whitney, statistics.vargha_delaney])
 def test_one_run_says_nothing(measure):
     assert np.isnan(measure(values(1), values(2, 3)))
 
 
+@pytest.mark.fast
 def test_holm_steps_down():
     # 4·0.01, then 3·0.02 = 0.06, then 2·0.02 = 0.04 raised to 0.06, then 1·0.5
     corrected = statistics.holm(values(0.5, 0.02, 0.01, 0.02))

@@ -168,6 +168,7 @@ def test_csv_holds_every_digit(comparison, tmp_path):
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "table.csv"), frame, check_exact=True)
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("number", "text"),
     [
@@ -180,6 +181,7 @@ def test_significant(number, text):
     assert significant(number) == text
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("seconds", "text"),
     [(75.0, "75.0 s"), (0.0123, "12.3 ms"), (4.2e-6, "4.20 µs"), (3600.0, "3600 s"), (0.0, "0 µs")],
@@ -188,6 +190,7 @@ def test_duration(seconds, text):
     assert duration(seconds) == text
 
 
+@pytest.mark.fast
 def test_shares_and_probabilities():
     assert percent(0.3817) == "38.2 %"
     assert percent(np.nan) == "–"

@@ -44,6 +44,7 @@ def scenario():
     return stated()
 
 
+@pytest.mark.fast
 def test_a_box_is_its_half_spaces():
     body = box((1, 2, 3), (2, 4, 6))
     assert len(body.faces) == 6
@@ -54,6 +55,7 @@ def test_a_box_is_its_half_spaces():
     )
 
 
+@pytest.mark.fast
 def test_yaw_turns_counter_clockwise():
     body = box((0, 0, 0), (4, 2, 2), yaw_deg=90.0)
     assert body.corners.max(axis=0) == pytest.approx([1, 2, 1])
@@ -74,6 +76,7 @@ def test_round_bodies_are_close_to_round(body, volume):
     assert (body.corners @ body.normals.T <= body.offsets + 1e-9).all()  # convex
 
 
+@pytest.mark.fast
 def test_a_body_hides_what_is_behind_it():
     body = box((0, 0, 0), (2, 2, 2))
     points = np.array([[0, 2, 0], [0, -2, 0], [1.1, 2, 0], [0, 0.5, 0], [0, 2, 1.1], [0.9, 9, 0.9]])
@@ -92,6 +95,7 @@ def test_a_round_body_hides_a_round_shadow():
     assert not ball.hides(ring * np.where(scale, 1.02, 1), FROM_SOUTH.towards).any()
 
 
+@pytest.mark.fast
 def test_the_camera_keeps_right_up_and_scale():
     point = np.array([1.0, 2.0, 3.0])
     assert FROM_SOUTH.project(point) == pytest.approx([1, 3])
@@ -124,6 +128,7 @@ def test_a_small_body_before_a_large_one_is_painted_after_it():
         assert painted[-1] is small
 
 
+@pytest.mark.fast
 def test_a_turned_cylinder_is_the_upright_one_turned_about_its_centre():
     center, turn = np.array([1.0, 2, 3]), Rotation.from_euler("xy", [20, -40], degrees=True)
     upright, turned = cylinder(center, 0.2, 1.0), cylinder(center, 0.2, 1.0, turn.as_matrix())
@@ -132,6 +137,7 @@ def test_a_turned_cylinder_is_the_upright_one_turned_about_its_centre():
     np.testing.assert_allclose(turned.normals, turn.apply(upright.normals), atol=1e-12)
 
 
+@pytest.mark.fast
 def test_a_label_goes_to_the_first_place_with_room():
     drawn = np.array([[0.0, 1.0], [0.3, 0.0]])
     places = np.array([[0.0, 0.9], [0.0, -1.0], [-3.0, 0.0]])

@@ -163,6 +163,7 @@ def test_the_figure_of_the_posture_shows_angles_and_limit(rim):
     assert turn.get_ydata().max() == pytest.approx(check.value, abs=1e-6)
 
 
+@pytest.mark.fast
 @pytest.mark.parametrize(("count", "across"), [(3, 3), (4, 4), (5, 3), (6, 3), (8, 4), (9, 3)])
 def test_panels_of_many_cables_stay_readable(count, across):
     figure, grid = planfigures._per_cable(count, "cable", ["length (m)", "tension (N)"])
@@ -211,6 +212,7 @@ def test_tables_say_of_which_robot_a_limit_is(end_driven):
     assert table["of"][table["limit"] == "reach"].tolist() == ["robot 1", "robot 2", "robot 3"]
 
 
+@pytest.mark.fast
 def test_rounding_is_shown_as_zero_unless_a_limit_is_broken():
     report = (
         Check("lift of a base", 1.4e-14, -np.inf, 1e-3, "m", 1.0, "robot 1", 1e-9),
@@ -263,6 +265,7 @@ def test_rendered_pictures_hold_the_whole_system(base_driven):
     assert share.max() == pytest.approx(1 - pictures.BORDER)
 
 
+@pytest.mark.fast
 def test_views_keep_posts_and_cables_aside():
     curve = [np.array([[-1.0, 0, 1], [0, 0, 1], [1, 0, 1]])]
     free = scene3d.best_view([], curve)
@@ -276,6 +279,7 @@ def test_views_keep_posts_and_cables_aside():
     assert np.linalg.norm(across.project(along[1])) > 2
 
 
+@pytest.mark.fast
 def test_a_post_behind_a_curve_does_not_cover_it():
     eye = Camera(-np.pi / 2, 0.0)  # looks north
     point = np.zeros((1, 3))
@@ -283,10 +287,12 @@ def test_a_post_behind_a_curve_does_not_cover_it():
     assert not scene3d._covered(point, np.array([[0.1, 3, 0], [0.6, -3, 0]]), eye).any()
 
 
+@pytest.mark.fast
 def test_numbers_below_the_line():
     assert (subscript(7), subscript(12)) == ("₇", "₁₂")
 
 
+@pytest.mark.fast
 def test_a_long_legend_takes_two_rows():
     figure = picture(6.0, 3.0)
     legend(figure, figure.subplots().plot(np.zeros((2, 11)), label=list("abcdefghijk")))
