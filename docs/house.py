@@ -5,6 +5,7 @@ files into `docs/architecture.md`. `tests/test_house.py` holds the code against 
 """
 
 import ast
+import re
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
@@ -56,11 +57,38 @@ def _imported(path: Path, known: dict[str, Path]) -> Iterator[str]:
         names: list[str] = []
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module is not None:
-            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names = [f"{_origin(node, path)}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Constant | ast.JoinedStr):  # for importlib and its like
+            names = [text] if _DOTTED.match(text := _beginning(node)) else []
         for name in names:
             if name.partition(".")[0] == "jaxsusp":
                 yield _longest(name.removeprefix("jaxsusp").lstrip("."), known)
+
+
+def _origin(node: ast.ImportFrom, path: Path) -> str:
+    """What an import is from; dots lead up from the file that they stand in."""
+    if not node.level or not path.is_relative_to(PACKAGE.parent):
+        return node.module or ""
+    folder = path.relative_to(PACKAGE.parent).parts[: -node.level]
+    return ".".join([*folder, *filter(None, [node.module])])
+
+
+_DOTTED = re.compile(r"jaxsusp(\.\w+)+\.?$")
+
+
+def _beginning(node: ast.Constant | ast.JoinedStr) -> str:
+    """The text of a string up to its first placeholder."""
+    first = node.values[0] if isinstance(node, ast.JoinedStr) and node.values else node
+    return first.value if isinstance(first, ast.Constant) and isinstance(first.value, str) else ""
+
+
+def opens_everything(path: Path) -> bool:
+    """Whether a module imports the package itself, and with it every public name of every room."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    plain = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import)
+             for alias in node.names]  # fmt: skip
+    return any(name.partition(".")[0] == "jaxsusp" for name in plain)
 
 
 def _longest(name: str, known: dict[str, Path]) -> str:

@@ -10,8 +10,17 @@ Importing the package sets nothing global and loads nothing heavy: a public name
 is first used (PEP 562). `__init__.pyi` beside this file lists them all, by topic.
 """
 
+import threading
+
 import lazy_loader
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_lazy, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_lock = threading.RLock()
+
+
+def __getattr__(name: str):
+    """A public name when it is first used; one thread at a time, since JAX is not loaded by two."""
+    with _lock:
+        return _lazy(name)

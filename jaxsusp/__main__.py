@@ -1,5 +1,5 @@
 """`python -m jaxsusp` is the command line."""
 
-from jaxsusp.cli import main
+from jaxsusp.cli.main import main
 
 main()

@@ -2,12 +2,13 @@
 
 import os
 import secrets
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from jaxsusp.errors import InputError
+from jaxsusp.errors import InputError, require
 
 
 @contextmanager
@@ -73,3 +74,54 @@ def _flush(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def require_folder(name: str, folder: str | os.PathLike[str]) -> None:
+    """Refuse a folder that can be neither written nor made; makes nothing.
+
+    Args:
+        name: of the setting, for the message.
+        folder: there or not; where it is not, the next one above it that is there is tried.
+
+    Raises:
+        InputError: a file is in the way, or nothing can be written there.
+    """
+    _require_writable(f"{name} = {folder}", Path(folder))
+
+
+def require_file(name: str, file: str | os.PathLike[str], suffix: str) -> None:
+    """Refuse a file of another suffix, or one that cannot be written; writes nothing.
+
+    Raises:
+        InputError: the name ends in something else, a folder has it, or its folder is none.
+    """
+    path = Path(file)
+    told = f"{name} = {file}"
+    require(path.suffix.lower() == suffix, f"{told}: give a file name that ends in {suffix}")
+    _require_writable(told, path.parent, of="its folder ")
+    require(not path.is_dir(), f"{told}: is a folder, not a file; choose another name")
+
+
+def _require_writable(told: str, folder: Path, of: str = "") -> None:
+    remedy = "choose another folder"
+    try:
+        there = _nearest(folder)
+        blocked = (
+            f"{told}: {of if there == folder else f'{there} '}is a file, not a folder; {remedy}"
+        )
+        require(there.is_dir(), blocked)
+        tempfile.TemporaryFile(dir=there).close()
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"{told}: {of}cannot be written ({reason}); {remedy}") from error
+
+
+def _nearest(folder: Path) -> Path:
+    """The folder, or what there is of the way to it."""
+    for place in (folder, *folder.parents):
+        try:
+            place.lstat()
+        except (FileNotFoundError, NotADirectoryError):
+            continue
+        return place
+    return folder

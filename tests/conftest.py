@@ -9,7 +9,7 @@ import jax
 import pytest
 
 import jaxsusp as js
-from jaxsusp import cli
+from jaxsusp.cli.main import main
 from jaxsusp.optim import devices
 
 # What takes long is done once per session, by whichever process needs it first: free spaces, and
@@ -48,7 +48,7 @@ def run(monkeypatch, capsys):
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["jaxsusp", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
-            cli.main()
+            main()
         said = capsys.readouterr()
         return ended.value.code or 0, said.out, said.err
 

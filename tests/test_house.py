@@ -39,6 +39,15 @@ def test_a_room_imports_only_rooms_before_it():
     assert wrong == []
 
 
+def test_nothing_opens_a_door_to_all_rooms():
+    """`import jaxsusp` lends every public name; a room's own `__init__` would lend a circle."""
+    assert [name for name, path in MODULES.items() if house.opens_everything(path)] == []
+    rooms = [name for name, path in MODULES.items() if path.name == "__init__.py"]
+    assert [room for room in rooms if room != "__init__" and IMPORTS[room]] == []
+    stubs = [*house.PACKAGE.rglob("*.pyi")]
+    assert stubs == [house.PACKAGE / "__init__.pyi"]
+
+
 def test_no_modules_import_one_another_in_a_circle():
     graph = {module: used - {"__init__"} for module, used in IMPORTS.items()}
     try:
@@ -53,20 +62,31 @@ def test_the_page_lists_todays_files():
     assert house.listing() in page
 
 
-def test_imports_are_found_wherever_they_stand(tmp_path):
+EVERY_KIND = """
+from typing import TYPE_CHECKING
+import jaxsusp.vec3
+from jaxsusp import errors
+from . import segments
+from ..mechanics import arm
+from ..problem.fitness import curvature
+if TYPE_CHECKING:
+    from jaxsusp.cli.plan import plan
+def function(name):
+    from jaxsusp.verify import constraints
+    importlib.import_module("jaxsusp.planning.planner")
+    __import__(f"jaxsusp.optim.algorithms.{name}")
+"""
+
+
+def test_imports_are_found_wherever_they_stand(monkeypatch):
     """The contract can fail: what it reads holds every kind of import."""
-    path = tmp_path / "module.py"
-    path.write_text(
-        "from typing import TYPE_CHECKING\n"
-        "import jaxsusp.vec3\n"
-        "from jaxsusp import errors\n"
-        "if TYPE_CHECKING:\n"
-        "    from jaxsusp.cli.plan import plan\n"
-        "def function():\n"
-        "    from jaxsusp.verify import constraints\n"
-    )
-    found = set(house._imported(path, MODULES))
-    assert found == {"vec3", "errors", "cli.plan", "verify.constraints"}
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: EVERY_KIND)
+    path = house.PACKAGE / "geometry" / "module.py"
+    assert set(house._imported(path, MODULES)) == {
+        "vec3", "errors", "geometry.segments", "mechanics.arm", "problem.fitness", "cli.plan",
+        "verify.constraints", "planning.planner", "optim.algorithms",
+    }  # fmt: skip
+    assert house.opens_everything(path)
 
 
 def test_rooms_and_files_are_of_a_size_that_is_read_with_pleasure():

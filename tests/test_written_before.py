@@ -28,7 +28,7 @@ def test_a_plan_loads_and_is_still_verified(name, ends):
 def test_a_comparison_loads_and_its_fitness_is_what_it_was():
     ds = js.load_results(FILES / "compare-0.1.0.nc")
     assert ds.sizes["run"] == 2
-    assert {"comparison", "ratios"} <= build_tables(ds).keys()
+    assert "comparison" in build_tables(ds)
     scenarios = {str(name): js.load_scenario(str(name)) for name in ds["scenario"].values}
     counts = obstacle_counts(list(scenarios.values()))
     for name, scenario in scenarios.items():

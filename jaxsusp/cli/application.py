@@ -4,11 +4,8 @@ Commands import what they need when they run: help and mistakes are answered at 
 """
 
 import functools
-import json
-import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
@@ -38,7 +35,11 @@ def jaxsusp(
     version: Annotated[
         bool | None,
         typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version and exit."
+            "--version",
+            callback=_print_version,
+            is_eager=True,
+            metavar="",
+            help="Print the version and exit.",
         ),
     ] = None,
 ) -> None:
@@ -79,52 +80,9 @@ def interrupted(message: str) -> NoReturn:
     raise typer.Exit(130)
 
 
-@contextmanager
-def interrupts() -> Iterator[Callable[[], None]]:
-    """Let no Ctrl-C get lost; lends a function that raises those that came at a bad moment.
-
-    JAX runs a callback in every garbage collection, where Python prints exceptions and goes on.
-    """
-    missed = False
-
-    def handle(_, frame) -> None:
-        nonlocal missed
-        missed = frame is not None and frame.f_code.co_name == "_xla_gc_callback"
-        if not missed:
-            raise KeyboardInterrupt
-
-    def raise_if_missed() -> None:
-        if missed:
-            raise KeyboardInterrupt
-
-    before = signal.getsignal(signal.SIGINT)
-    if before is not signal.SIG_IGN:  # as for a job in the background of a script
-        signal.signal(signal.SIGINT, handle)
-    try:
-        yield raise_if_missed
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 def wide_console() -> "Console":
     """Stdout for tables of seven columns: into a pipe they are not cut at 80 characters."""
     from rich.console import Console
 
     stdout = Console()
     return stdout if stdout.is_terminal else Console(width=max(stdout.width, 132))
-
-
-def print_rows(rows: list[dict], as_json: bool) -> None:
-    """A plain listing, for people or for machines."""
-    from rich.console import Console
-    from rich.table import Table
-
-    if as_json:
-        print(json.dumps(rows, indent=2))
-        return
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in rows[0]:
-        table.add_column(name)
-    for row in rows:
-        table.add_row(*(str(value) for value in row.values()))
-    Console().print(table)

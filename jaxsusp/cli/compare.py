@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jaxsusp.cli.application import command, interrupted, interrupts, note
+from jaxsusp.cli.application import command, interrupted, note
+from jaxsusp.cli.interrupts import working
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
@@ -21,18 +22,17 @@ from jaxsusp.cli.options import (
     Search,
     Seed,
     Waypoints,
+    flag,
     names,
     require_choices,
 )
-from jaxsusp.comparison.choices import BUDGETS
-from jaxsusp.errors import require_known
+from jaxsusp.comparison.choices import BUDGETS, FILE
+from jaxsusp.errors import require, require_known
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.scenario.builtin import scenarios as built_in
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from jaxsusp.comparison.compare import Event
 
 
 @command(
@@ -59,35 +59,31 @@ def compare(
     output: Output = RESULTS,
     resume: Annotated[
         bool,
-        typer.Option("--resume", help="Go on from what is in the output folder; also adds runs."),
+        flag("--resume", "Go on from what is in the output folder; also adds runs."),
     ] = False,
     cache: Cache = None,
     as_json: Json = False,
 ) -> None:
     """Run every algorithm on every scenario; write tables, figures and compare.nc."""
-    chosen = built_in() if scenarios is None else names(scenarios)
-    require_choices(chosen, names(algorithms), search)
+    chosen = built_in() if scenarios is None else names("scenarios", scenarios)
+    named = names("algorithms", algorithms)
+    require_choices(chosen, named, search)
     require_known("budget", budget, BUDGETS)
 
     from rich.console import Console
 
     from jaxsusp.cli.progress import ProgressBar
     from jaxsusp.comparison import compare as comparison
-    from jaxsusp.comparison.store import FILE
     from jaxsusp.optim import devices
 
     devices.configure(cache=cache)
-    with ProgressBar(Console(stderr=True)) as bar, interrupts() as raise_if_missed:
-
-        def told(event: "Event") -> None:
-            raise_if_missed()
-            bar.told(event)
-
+    working()
+    with ProgressBar(Console(stderr=True)) as bar:
         try:
             ds = comparison.compare(
-                chosen, names(algorithms), runs, iterations, population, seed,
+                chosen, named, runs, iterations, population, seed,
                 budget=budget, search=search, waypoints=waypoints, samples=samples,
-                output=output, resume=resume, progress=told,
+                output=output, resume=resume, progress=bar.told,
             )  # fmt: skip
         except KeyboardInterrupt:
             interrupted(
@@ -110,6 +106,10 @@ def report(
     as_json: Json = False,
 ) -> None:
     """Write the tables and figures of a saved comparison again."""
+    file = results / FILE
+    remedy = f"give {file}" if file.exists() else f"give a {FILE} that `jaxsusp compare` wrote"
+    require(not results.is_dir(), f"{results}: is a folder, not a file; {remedy}")
+
     from jaxsusp.comparison.dataset import load_results
     from jaxsusp.optim import devices
 

@@ -6,8 +6,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from jaxsusp.cli.application import command, interrupted, interrupts, note
-from jaxsusp.cli.options import RESULTS, Json, Named, Output, Seed, count, require_choices
+from jaxsusp.cli.application import command, interrupted, note
+from jaxsusp.cli.options import (
+    RESULTS,
+    Json,
+    Named,
+    Output,
+    Seed,
+    checked,
+    count,
+    require_choices,
+)
+from jaxsusp.errors import require, require_known
+from jaxsusp.freespace.choices import SOLVER, solvers
 
 if TYPE_CHECKING:
     from jaxsusp.freespace.build import Growth
@@ -15,20 +26,24 @@ if TYPE_CHECKING:
     from jaxsusp.scenario.scenario import Scenario
 
 
+def _share(name: str, value: float) -> None:
+    require(0 < value < 1, f"{name} = {value!r}: give a share between 0 and 1")
+
+
 @command(epilog="Example: jaxsusp freespace scenario-6 --output space")
 def freespace(
     scenario: Named,
     coverage: Annotated[
-        float, typer.Option(help="Share of the free space that the regions are to cover.")
+        float,
+        typer.Option(
+            help="Share of the free space that the regions are to cover.", callback=checked(_share)
+        ),
     ] = 0.95,
-    limit: Annotated[int, count("Greatest number of regions.")] = 200,
+    limit: Annotated[int, count("Greatest number of regions.", least=2)] = 200,
     seed: Seed = 0,
     solver: Annotated[
-        str | None,
-        typer.Option(
-            help="Solver of the cone programs, where installed: MOSEK, GUROBI, …; default CLARABEL."
-        ),
-    ] = None,
+        str, typer.Option(help="Solver of the cone programs, where installed: MOSEK, GUROBI, ….")
+    ] = SOLVER,
     output: Output = RESULTS,
     as_json: Json = False,
 ) -> None:
@@ -37,26 +52,25 @@ def freespace(
     Exit status 1 when no collision-free route leads from start to goal.
     """
     require_choices([scenario])
+    require_known("solver", solver, solvers())
 
     from rich.console import Console
 
     from jaxsusp.freespace.build import free_space
-    from jaxsusp.freespace.ellipsoid import SOLVER
     from jaxsusp.scenario.scenario import load_scenario
 
     task = load_scenario(scenario)
     console = Console(stderr=True)
-    with console.status("Growing regions …") as status, interrupts() as raise_if_missed:
+    with console.status("Growing regions …") as status:
 
         def told(growth: "Growth") -> None:
-            raise_if_missed()
             way = "connected" if growth.connected else "not connected yet"
             status.update(
                 f"{growth.regions} regions, {growth.coverage:.0%} covered, start and goal {way}"
             )
 
         try:
-            space = free_space(task, coverage, limit, seed, solver or SOLVER, progress=told)
+            space = free_space(task, coverage, limit, seed, solver, progress=told)
         except KeyboardInterrupt:
             interrupted("nothing was written.")
     files = _write(task, space, output)

@@ -1,20 +1,20 @@
 """`jaxsusp scenarios` and `jaxsusp algorithms`."""
 
+import json
 from typing import Annotated
 
-import typer
-
-from jaxsusp.cli.application import command, print_rows
-from jaxsusp.cli.options import Json
+from jaxsusp.cli.application import command
+from jaxsusp.cli.options import Json, flag
 from jaxsusp.scenario.builtin import examples
 from jaxsusp.scenario.builtin import scenarios as built_in
+
+_WIDTH = 200
+"""Of a listing, at most: where it is wider than a terminal, the terminal breaks lines, not we."""
 
 
 @command(epilog="Example: jaxsusp scenarios --json")
 def scenarios(
-    others: Annotated[
-        bool, typer.Option("--examples", help="The other built-in scenarios instead.")
-    ] = False,
+    others: Annotated[bool, flag("--examples", "The other built-in scenarios instead.")] = False,
     as_json: Json = False,
 ) -> None:
     """List the benchmark scenarios, or the examples of other robots, drives and attachments."""
@@ -42,3 +42,23 @@ def algorithms(as_json: Json = False) -> None:
     from jaxsusp.optim.registry import ALGORITHMS, describe
 
     print_rows([{"algorithm": name, "what": describe(name)} for name in ALGORITHMS], as_json)
+
+
+def print_rows(rows: list[dict], as_json: bool) -> None:
+    """A plain listing, for people, every row on one line, or for machines."""
+    from rich.console import Console
+    from rich.table import Table
+
+    if as_json:
+        print(json.dumps(rows, indent=2))
+        return
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in rows[0]:
+        table.add_column(name, no_wrap=True)
+    for row in rows:
+        table.add_row(*map(_plain, row.values()))
+    Console(width=_WIDTH).print(table)
+
+
+def _plain(value: object) -> str:
+    return ",".join(f"{each:g}" for each in value) if isinstance(value, list) else str(value)

@@ -1,18 +1,11 @@
-"""The entry point: all commands in the order of `jaxsusp --help`, and how they fail."""
+"""The entry point."""
 
-from jaxsusp.cli import compare, freespace, listing, plan, verify, workspace  # noqa: F401  commands
-from jaxsusp.cli.application import app, fail
-from jaxsusp.errors import InputError
+from jaxsusp.cli.interrupts import heard
 
 
 def main() -> None:
-    """Run a command: bad input becomes one message and status 2, never a traceback."""
-    try:
-        app()
-    except InputError as error:
-        fail(str(error))
-    except OSError as error:
-        if error.errno is None:  # no answer of the system but a fault of ours
-            raise
-        place = error.filename or "a file"
-        fail(f"{place}: {error.strerror}; give a place that can be read and written")
+    """Run a command of the command line."""
+    with heard():
+        from jaxsusp.cli.commands import run  # loading them can be interrupted too
+
+        run()

@@ -1,15 +1,30 @@
-"""Options that mean the same in every command, and the checks that need nothing heavy."""
+"""Options that mean the same in every command, and the checks that need nothing heavy.
 
-from collections.abc import Iterable
+A value out of range is told while the command line is read, in the words of the library.
+"""
+
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from jaxsusp.errors import require_known
+from jaxsusp._files import require_folder
+from jaxsusp.errors import require, require_count, require_known, require_seed
 from jaxsusp.optim.choices import ALGORITHMS
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.scenario.builtin import find, read
+
+
+def checked(check: Callable[[str, Any], None]) -> Callable[..., Any]:
+    """A callback for options: refuses a value that was given, told the option's name and it."""
+
+    def callback(_, option, value):
+        if value is not None:
+            check(option.name, value)
+        return value
+
+    return callback
 
 
 def _whole(text: str | int) -> int:  # defaults come as numbers
@@ -19,18 +34,28 @@ def _whole(text: str | int) -> int:  # defaults come as numbers
         raise typer.BadParameter(f"{text!r}; give a whole number.") from None
 
 
-def count(meaning: str):
+def whole(meaning: str, check: Callable[[str, int], None]):
     """An option that takes a whole number."""
-    return typer.Option(help=meaning, parser=_whole, metavar="<int>")
+    return typer.Option(help=meaning, parser=_whole, metavar="<int>", callback=checked(check))
+
+
+def count(meaning: str, least: int = 1):
+    """An option that takes a whole number of at least so many."""
+    return whole(meaning, lambda name, value: require_count(name, value, least))
+
+
+def flag(name: str, meaning: str):
+    """An option that is given or not; Typer would show it as one that takes a value."""
+    return typer.Option(name, help=meaning, metavar="")
 
 
 Named = Annotated[str, typer.Argument(metavar="SCENARIO", help="A built-in name or a TOML file.")]
 Runs = Annotated[int, count("Independent runs.")]
 Iterations = Annotated[int, count("Iterations per run.")]
 Population = Annotated[int, count("Candidates per iteration.")]
-Seed = Annotated[int, count("Root of all randomness.")]
+Seed = Annotated[int, whole("Root of all randomness.", lambda _, seed: require_seed(seed))]
 Waypoints = Annotated[int, count("Free waypoints between start and goal.")]
-Samples = Annotated[int, count("Samples of a trajectory.")]
+Samples = Annotated[int, count("Samples of a trajectory.", least=3)]
 Search = Annotated[
     str,
     typer.Option(
@@ -39,17 +64,27 @@ Search = Annotated[
     ),
 ]
 SEARCH = SEARCHES[0]
-Output = Annotated[Path, typer.Option(help="Folder for what is written.")]
+Output = Annotated[
+    Path, typer.Option(help="Folder for what is written.", callback=checked(require_folder))
+]
 RESULTS = Path("results")
 Cache = Annotated[
     Path | None, typer.Option(help="Folder that keeps compiled programs for the next time.")
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
+Json = Annotated[bool, flag("--json", "Print JSON instead of tables.")]
 
 
-def names(listed: str) -> list[str]:
-    """Names separated by commas."""
-    return [name.strip() for name in listed.split(",") if name.strip()]
+def names(field: str, listed: str) -> list[str]:
+    """Names separated by commas.
+
+    Raises:
+        InputError: there is none, or one of them is empty.
+    """
+    require(listed.strip() != "", f"{field}: none given; name at least one")
+    found = [name.strip() for name in listed.split(",")]
+    remedy = "give names with one comma between two of them"
+    require(all(found), f"{field} = {listed!r}: one of the names is empty; {remedy}")
+    return found
 
 
 def require_choices(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from jaxsusp.cli.application import command, interrupted, interrupts, note, wide_console
+from jaxsusp.cli.application import command, interrupted, note, wide_console
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
@@ -57,7 +57,7 @@ def plan(
     runs: Runs = 4,
     iterations: Iterations = 300,
     population: Population = 30,
-    retries: Annotated[int, count("Further attempts where one gives no feasible plan.")] = 3,
+    retries: Annotated[int, count("Further attempts where one gives no feasible plan.", 0)] = 3,
     seed: Seed = 0,
     search: Search = SEARCH,
     waypoints: Waypoints = 5,
@@ -81,10 +81,9 @@ def plan(
     devices.configure(cache=cache)
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
-    with status as shown, interrupts() as raise_if_missed:
+    with status as shown:
 
         def told(event: "Event") -> None:
-            raise_if_missed()
             text = f"{event.phase}, attempt {event.attempt + 1} of at most {event.attempts}"
             if shown is not None:
                 shown.update(f"{text} …")

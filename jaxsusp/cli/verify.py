@@ -6,11 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from jaxsusp._files import require_file, require_folder
 from jaxsusp.cli.application import command, note, wide_console
-from jaxsusp.cli.options import Json
+from jaxsusp.cli.options import Json, checked
 
 if TYPE_CHECKING:
     from jaxsusp.planning.recheck import Verification
+
+
+def _file(suffix: str):
+    """A callback that refuses a file of another suffix, or one that cannot be written."""
+    return checked(lambda name, path: require_file(name, path, suffix))
 
 
 @command(
@@ -19,13 +25,23 @@ if TYPE_CHECKING:
 def verify(
     plan: Annotated[Path, typer.Argument(help="A plan that `jaxsusp plan` wrote.")],
     model: Annotated[
-        Path | None, typer.Option(help="Write the MuJoCo model (MJCF) to this XML file.")
+        Path | None,
+        typer.Option(
+            help="Write the MuJoCo model (MJCF) to this XML file.", callback=_file(".xml")
+        ),
     ] = None,
     images: Annotated[
-        Path | None, typer.Option(help="Write five rendered PNG images into this folder.")
+        Path | None,
+        typer.Option(
+            help="Write five rendered PNG images into this folder.",
+            callback=checked(require_folder),
+        ),
     ] = None,
     video: Annotated[
-        Path | None, typer.Option(help="Write a rendered film, four times as fast, to this MP4.")
+        Path | None,
+        typer.Option(
+            help="Write a rendered film, four times as fast, to this MP4.", callback=_file(".mp4")
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -36,6 +52,8 @@ def verify(
 
     devices.configure()
     given = load_plan(plan)
+    for file in filter(None, (model, video)):
+        file.parent.mkdir(parents=True, exist_ok=True)
     files = []
     if model is not None:
         from jaxsusp.verify.simulation import export_model

@@ -1,12 +1,18 @@
 """`jaxsusp workspace`: the load positions that a suspension can hold."""
 
 import json
+import math
 from typing import Annotated
 
 import typer
 
 from jaxsusp.cli.application import command, interrupted, note
-from jaxsusp.cli.options import RESULTS, Json, Named, Output, require_choices
+from jaxsusp.cli.options import RESULTS, Json, Named, Output, checked, require_choices
+from jaxsusp.errors import require
+
+
+def _length(name: str, value: float) -> None:
+    require(math.isfinite(value) and value > 0, f"{name} = {value}: give a length above 0 m")
 
 
 @command(epilog="Example: jaxsusp workspace four-robots --spacing 0.2 --output space")
@@ -14,7 +20,10 @@ def workspace(
     scenario: Named,
     spacing: Annotated[
         float | None,
-        typer.Option(help="Of the grid, in m; default 0.1, with separate attachments 0.25."),
+        typer.Option(
+            help="Of the grid, in m; default 0.1, with separate attachments 0.25.",
+            callback=checked(_length),
+        ),
     ] = None,
     output: Output = RESULTS,
     as_json: Json = False,

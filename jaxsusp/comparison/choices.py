@@ -2,3 +2,6 @@
 
 BUDGETS = ("iterations", "evaluations")
 """What all algorithms of a comparison get equally much of."""
+
+FILE, PARTS = "compare.nc", "compare.parts"
+"""In the folder of a comparison: all of it, and what is finished of one that is not complete."""

@@ -54,7 +54,7 @@ def compare(
     samples: int = 40,
     output: str | os.PathLike[str] | None = None,
     resume: bool = False,
-    progress: Callable[[Event], None] = lambda event: None,
+    progress: Callable[[Event], None] | None = None,
 ) -> xr.Dataset:
     """Run every algorithm on every scenario, several independent runs each, as array programs.
 
@@ -92,9 +92,13 @@ def compare(
     optimizers = _optimizers(algorithms)
     chosen = _distinct(scenarios)
 
+    def tell(event: Event) -> None:
+        if progress is not None:
+            progress(event)
+
     def told(scenario: Scenario) -> None:
         if search != "box":
-            progress(Event(scenario.name, "free space", 0, 1))
+            tell(Event(scenario.name, "free space", 0, 1))
 
     groups = stack_scenarios(chosen, waypoints, samples, search, told)
     units = [
@@ -124,7 +128,7 @@ def compare(
     )
     finished = store.finished() if resume else []
     store.prepare()
-    ds = dataset.merge([*_compute_missing(units, runs, seed, store, finished, progress), *finished])
+    ds = dataset.merge([*_compute_missing(units, runs, seed, store, finished, tell), *finished])
     ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
     store.complete(ds)
     return ds
@@ -189,7 +193,7 @@ def _distinct(choices: str | Sequence[str | os.PathLike[str] | Scenario]) -> lis
     """Load scenarios and refuse two of one name, which label the dataset."""
     chosen: dict[str, tuple[Scenario, str]] = {}
     for choice in [choices] if isinstance(choices, str) else choices:
-        scenario = choice if isinstance(choice, Scenario) else load_scenario(choice)
+        scenario = load_scenario(choice)
         source = repr(choice.name) if isinstance(choice, Scenario) else os.fspath(choice)
         require_label(f"name of scenario {source}", scenario.name)
         if scenario.name in chosen:

@@ -7,16 +7,15 @@ Every finished unit is one small NetCDF file in `compare.parts`; when all are th
 import hashlib
 import re
 import shutil
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
+from jaxsusp._files import require_folder
 from jaxsusp.comparison import dataset
+from jaxsusp.comparison.choices import FILE, PARTS
 from jaxsusp.errors import InputError
-
-FILE, PARTS = "compare.nc", "compare.parts"
 
 
 class Store:
@@ -35,19 +34,13 @@ class Store:
     def prepare(self) -> None:
         """See that the folder can be written before hours are spent on what goes there.
 
+        It is made with the first unit: of a comparison that is interrupted before, nothing stays.
+
         Raises:
             InputError: it cannot.
         """
-        if self.folder is None:
-            return
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=self.folder).close()
-        except OSError as error:
-            raise InputError(
-                f"output = {self.folder}: cannot be written ({error.strerror}); choose another "
-                "folder"
-            ) from error
+        if self.folder is not None:
+            require_folder("output", self.folder)
 
     def finished(self) -> list[xr.Dataset]:
         """What is there of this comparison: the complete file and units finished since.

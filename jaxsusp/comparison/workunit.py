@@ -46,7 +46,7 @@ def stack_scenarios(
     waypoints: int,
     samples: int,
     search: str,
-    told: Callable[[Scenario], None] = lambda scenario: None,
+    told: Callable[[Scenario], None] | None = None,
 ) -> list[Group]:
     """Group scenarios by static shape, pad obstacles and regions to common counts, and stack.
 
@@ -69,7 +69,8 @@ def stack_scenarios(
         with_stability = any(member.limits.stability > 0 for member in members)
 
         def problem(member: Scenario) -> Problem:
-            told(member)
+            if told is not None:
+                told(member)
             return Problem.from_scenario(
                 member,
                 waypoints,

@@ -1,4 +1,4 @@
-"""Placement of the cables' upper ends: Tables 2 and 3 of the paper (Sect. 3.3; spec §10).
+"""Placement of the cables' upper ends: Tables 2 and 3 of the paper (Sect. 3.3).
 
 The ends share one height; with their horizontal positions that makes 2K + 1 variables. They are
 placed to minimise f3 + f4 of a given load trajectory (and jointly with it: D = 3m + 2K + 1),
@@ -33,7 +33,7 @@ from jaxsusp.suspension.levelload import tensions_at, turn_at
 from jaxsusp.vec3 import Vec3
 
 HEIGHTS = (4.2, 8.8)
-"""m; heights in which ends are placed (spec §1), as far as every robot reaches."""
+"""m; heights in which ends are placed, as far as every robot reaches; the paper gives none."""
 
 INSIDE_REACH = 1e-3
 """m by which placed ends stay inside the reach, so that rounding cannot put them outside."""

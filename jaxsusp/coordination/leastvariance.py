@@ -1,4 +1,4 @@
-"""Least variance: of all ends that keep cables clear, the steadiest sequence (Eq. 20; spec §10).
+"""Least variance: of all ends that keep cables clear, the steadiest sequence (Eq. 20).
 
 Dynamic programming over fans of candidate ends finds it (`passes`), a running mean over the fans'
 angles rounds the kinks that remain where every limit allows it (`smoothing`).

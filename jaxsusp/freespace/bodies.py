@@ -1,4 +1,4 @@
-"""What the load must avoid, as convex bodies in the space of its positions (spec §5, §6).
+"""What the load must avoid, as convex bodies in the space of its positions.
 
 Two kinds of body: an obstacle inflated by the load, and the shadow that an obstacle casts from a
 cable's upper end: where the load hangs in it, that cable touches the obstacle. A position outside
@@ -71,7 +71,7 @@ def domain_of(scenario: Scenario) -> HalfSpaces:
     """The workspace and, for a hook, where every cable pulls (all T_k >= 0).
 
     Without horizontal force a hook is balanced by pulling cables iff the vertical above it meets
-    the convex hull of the ends: for ends of one height, iff it is inside their polygon (spec §3).
+    the convex hull of the ends: for ends of one height, iff it is inside their polygon.
     """
     workspace = HalfSpaces.box(*map(np.array, (scenario.workspace.lower, scenario.workspace.upper)))
     if scenario.payload.attachments != "hook" or moving(scenario.drive):

@@ -1,4 +1,4 @@
-"""Scenario → FreeSpace: seeds, regions, coverage, route (spec §6)."""
+"""Scenario → FreeSpace: seeds, regions, coverage, route."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ from jaxsusp.freespace.graph import RegionGraph
 from jaxsusp.freespace.iris import Bodies, Region, iris, proved_apart
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, irredundant
 from jaxsusp.freespace.space import FORMAT, FreeSpace, assemble, load_free_space
-from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 
 SAMPLES = 20_000
 """Positions drawn in the workspace at a time, to estimate coverage and to find seeds."""
@@ -44,13 +44,13 @@ class Growth(NamedTuple):
 
 
 def free_space(
-    scenario: Scenario,
+    scenario: Scenario | Named,
     coverage: float = 0.95,
     limit: int = 200,
     seed: int = 0,
     solver: str = SOLVER,
     cache: bool = True,
-    progress: Callable[[Growth], None] = lambda growth: None,
+    progress: Callable[[Growth], None] | None = None,
 ) -> FreeSpace:
     """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
 
@@ -77,6 +77,7 @@ def free_space(
     Raises:
         InputError: bad settings, or an end of a cable inside a warning area.
     """
+    scenario = load_scenario(scenario)
     require(0 < coverage < 1, f"coverage = {coverage!r}: give a share between 0 and 1")
     require_count("limit", limit, least=2)
     require_seed(seed)
@@ -106,7 +107,9 @@ def _cache_file(scenario: Scenario, settings: dict) -> Path | None:
 class _Builder:
     """Grows the regions of one scenario."""
 
-    def __init__(self, scenario: Scenario, settings: dict, progress: Callable[[Growth], None]):
+    def __init__(
+        self, scenario: Scenario, settings: dict, progress: Callable[[Growth], None] | None
+    ):
         clock = time.perf_counter()
         self.settings, self.progress = settings, progress
         self.start, self.goal = (np.array(p) for p in (scenario.task.start, scenario.task.goal))
@@ -146,6 +149,8 @@ class _Builder:
             bound=bound,
             coverage=coverage,
             reason=reason,
+            bodies=tuple(body.faces for body in self.bodies.bodies),
+            body_names=tuple(body.name for body in self.bodies.bodies),
             details={**self.settings, "bodies": len(self.bodies), "seconds": self.seconds},
         )
 
@@ -226,7 +231,8 @@ class _Builder:
         polytope = irredundant(region.polytope, region.ellipsoid.d)
         self.graph.add(Region(polytope, region.ellipsoid))
         connected = self.graph.connect(self.start, self.goal)
-        self.progress(Growth(len(self.graph.regions), coverage, connected))
+        if self.progress is not None:
+            self.progress(Growth(len(self.graph.regions), coverage, connected))
 
     @property
     def _full(self) -> bool:

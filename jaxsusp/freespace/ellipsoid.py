@@ -9,10 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxsusp.errors import InputError, require, require_known
+from jaxsusp.freespace.choices import SOLVER, solvers
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point
-
-SOLVER = "CLARABEL"
-"""Solver of cone programs unless another is named (`MOSEK`, `GUROBI`, … where installed)."""
 
 
 class Ellipsoid(NamedTuple):
@@ -84,7 +82,7 @@ def largest_ellipsoid(halves: HalfSpaces, solver: str = SOLVER) -> Ellipsoid | N
 @functools.cache
 def require_solver(name: str) -> None:
     """Refuse a solver that is not installed, has no licence, or solves no cone programs."""
-    require_known("solver", name, cp.installed_solvers())
+    require_known("solver", name, solvers())
     cube = HalfSpaces.box(np.full(3, -1.0), np.full(3, 1.0))
     try:
         found = largest_ellipsoid(cube, name)

@@ -1,4 +1,4 @@
-"""IRIS: grow a convex region between convex bodies (Deits & Tedrake 2015; Eq. 23; spec §6).
+"""IRIS: grow a convex region between convex bodies (Deits & Tedrake 2015; Eq. 23).
 
 Alternates (i) planes that separate the bodies from the current ellipsoid, nearest body first in
 the ellipsoid's own metric, and (ii) the largest ellipsoid inside the polytope of these planes.

@@ -57,12 +57,15 @@ def nearest_point(halves: HalfSpaces, to: Point, scale: float = 1.0) -> Nearest:
     rows = np.vstack([halves.A.T, (halves.b - halves.A @ to) / scale])
     multipliers, _ = nnls(-rows, _LAST, maxiter=10 * rows.shape[1] + 100)
     residual = -rows @ multipliers - _LAST
-    if residual[3] > -_EMPTY:
+    # Where next to nothing is left of many pulls, they balance: the proof that there is no point.
+    balanced = np.abs(residual[:3]).max() <= _BALANCE * multipliers.sum()
+    if residual[3] > -_EMPTY or (balanced and multipliers.any()):
         return Nearest(None, multipliers)
     return Nearest(to - scale * residual[:3] / residual[3], multipliers)
 
 
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])
+_BALANCE = 1e-12
 _EMPTY = 1e-13
 """-residual[3] is 1 / (1 + (distance / scale)²); below this no point is there."""
 

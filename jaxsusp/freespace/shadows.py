@@ -1,4 +1,4 @@
-"""Cable shadows: where the load must not be because a cable would touch an obstacle (spec §6)."""
+"""Cable shadows: where the load must not be because a cable would touch an obstacle."""
 
 from collections.abc import Iterator
 from itertools import product

@@ -1,4 +1,4 @@
-"""Cables: straight, massless segments from payload to robot ends (Eq. 2, 3; spec §2)."""
+"""Cables: straight, massless segments from payload to robot ends (Eq. 2, 3)."""
 
 from jaxsusp._types import Array, Float
 from jaxsusp.vec3 import Vec3, component, norm

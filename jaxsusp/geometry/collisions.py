@@ -1,4 +1,4 @@
-"""Exact-in-motion collision counts of payload and cables along a polyline (spec §5).
+"""Exact-in-motion collision counts of payload and cables along a polyline.
 
 A count of zero proves that the payload and every cable stay clear of the warning area at *every
 instant* of the polyline, not only at its samples. The counts accumulate elementwise per segment
@@ -22,7 +22,7 @@ from jaxsusp.vec3 import Vec3, component, cross, dot
 
 SINGLE_PRECISION_MARGIN = 1e-4
 """m; added to every inflation when the arithmetic is float32, so that what a search finds clear
-stays clear in float64 (spec §9)."""
+stays clear in float64."""
 
 
 PARTS = 4
@@ -68,7 +68,7 @@ class Motion(NamedTuple):
 
 
 def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, "*batch"]:
-    """Number n_p of (segment, body, obstacle) contacts of a polyline (Eq. 21, f6; spec §5).
+    """Number n_p of (segment, body, obstacle) contacts of a polyline (Eq. 21, f6).
 
     Args:
         position: payload centre, samples on axis 0, any trailing batch axes (m).

@@ -1,4 +1,4 @@
-"""Mesh obstacles: a file gives way to its bounding box, the paper's surround box (spec §5)."""
+"""Mesh obstacles: a file gives way to its bounding box, the paper's surround box."""
 
 import os
 from pathlib import Path

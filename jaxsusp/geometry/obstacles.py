@@ -1,4 +1,4 @@
-"""Obstacles as arrays, packed per kind so that scenarios of different contents stack (spec §5).
+"""Obstacles as arrays, packed per kind so that scenarios of different contents stack.
 
 Every kind is padded to a fixed count; `active` is False for the padding, which never counts. Each
 kind tells which segments meet its bodies inflated by a margin, exactly but for an inflated corner;

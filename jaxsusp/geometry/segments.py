@@ -1,4 +1,4 @@
-"""Does a straight segment meet a convex body?  Closed forms, elementwise over any shape (spec §5).
+"""Does a straight segment meet a convex body?  Closed forms, elementwise over any shape.
 
 Each test is exact for a closed body: touching counts. A NaN coordinate never separates, so it is
 reported as a hit by the box test; the fitness catches NaN by other means and never relies on this.

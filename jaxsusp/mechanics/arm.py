@@ -1,4 +1,4 @@
-"""Towing robots: a vertical column a1 and two links a2, a3 (spec §2; Eq. 1).
+"""Towing robots: a vertical column a1 and two links a2, a3 (Eq. 1).
 
 Angles are radians and lengths metres; the base frame is parallel to the world frame.
 """

@@ -1,4 +1,4 @@
-"""The four drive modes: where the ends, lengths and bases are while the load moves (spec §1).
+"""The four drive modes: where the ends, lengths and bases are while the load moves.
 
     cable   the ends stay, the lengths vary
     end     the lengths stay, the arms' joints move the ends

@@ -1,4 +1,4 @@
-"""Stability factor S_c of a load position (Eq. 18; spec §4).
+"""Stability factor S_c of a load position (Eq. 18).
 
 The paper cites its four factors without printing them. These are our reading: each lies in [0, 1]
 and is the cube root of a margin, which puts about 40 % of the admissible workspace inside the
@@ -33,7 +33,7 @@ def stability_factors(
     floor: Array,
     tension_limits: tuple[Array, Array],
 ) -> StabilityFactors:
-    """λ_p, λ_q, τ_p, τ_q of spec §4.
+    """λ_p, λ_q, τ_p, τ_q of Eq. 18, in our reading.
 
     Args:
         hook: hook position (m), any shape.

@@ -1,4 +1,4 @@
-"""Force balance of the suspended payload: J T = F with T >= 0 (Eq. 4-6; spec §3)."""
+"""Force balance of the suspended payload: J T = F with T >= 0 (Eq. 4-6)."""
 
 import jax.numpy as jnp
 
@@ -43,7 +43,7 @@ def force_tensions(
 
 
 def hook_tensions(vectors: list[Vec3], lengths: list[Array], force: Vec3) -> list[Array]:
-    """Tensions of three cables that meet at one hook, in closed form (Eq. 4; spec §3).
+    """Tensions of three cables that meet at one hook, in closed form (Eq. 4).
 
     Cramer's rule on [u_1 u_2 u_3] T = F by cross products. Coplanar cables give a division by
     zero: the result is then infinite or NaN and every limit check refuses it.

@@ -1,4 +1,4 @@
-"""Tensions of more than three cables at one hook: which of the many balances is meant (spec §3).
+"""Tensions of more than three cables at one hook: which of the many balances is meant.
 
 A T = F has three equations for K > 3 tensions, T = A⁺F + N δ (Eq. 7). Of all balances within the
 limits T_lo <= T <= T_hi we take the one nearest to the middle of the range,

@@ -1,4 +1,4 @@
-"""The contract of a population optimiser (spec §11).
+"""The contract of a population optimiser.
 
 An optimiser is a pair of pure functions:
 

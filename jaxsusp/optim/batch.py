@@ -42,7 +42,7 @@ def run_batch(
     runs: Sequence[int],
     iterations: int,
     population: int,
-    report: Callable[[int], None] = lambda done: None,
+    report: Callable[[int], None] | None = None,
 ) -> Outcome:
     """Minimise stacked problems, several independent runs each, in one compiled program.
 
@@ -75,7 +75,8 @@ def run_batch(
         stops = np.linspace(1, iterations + 1, min(CHUNKS, iterations) + 1).round().astype(int)
         for first, stop in itertools.pairwise(stops):
             progress = jax.block_until_ready(go(*arguments, progress, int(first), int(stop)))
-            report(int(stop) - 1)
+            if report is not None:
+                report(int(stop) - 1)
         seconds_run = time.perf_counter() - clock
         return _collect(progress, len(runs), iterations, seconds_compile, seconds_run)
 

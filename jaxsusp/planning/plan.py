@@ -64,7 +64,7 @@ class Plan:
     jerk: Float[np.ndarray, "samples xyz"]
     lengths: Float[np.ndarray, "samples cables"]
     tensions: Float[np.ndarray, "samples cables"]  # with inertia
-    angles: Float[np.ndarray, "samples 3"]  # α1, α2, α3 of the load (spec §1), rad
+    angles: Float[np.ndarray, "samples 3"]  # α1, α2, α3 of the load, rad: R = Rz(α3) Ry(α2) Rx(α1)
     ends: Float[np.ndarray, "*samples cables xyz"]  # (K, 3) where they stay, else (n, K, 3)
     joints: Float[np.ndarray, "samples cables joints"]
     report: tuple[Check, ...]

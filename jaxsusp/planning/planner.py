@@ -1,10 +1,9 @@
-"""`js.plan`: the loop of Fig. 2, from a task to a verified plan (spec §10).
+"""`js.plan`: the loop of Fig. 2, from a task to a verified plan.
 
 The steps are in `steps`, the third of them in `strategies`. Where nothing stands that they give,
 they are taken again: with further runs, then other ends, then more waypoints.
 """
 
-import os
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -19,7 +18,7 @@ from jaxsusp.planning.ranking import good, rank, with_settings
 from jaxsusp.planning.steps import Settings
 from jaxsusp.planning.strategies import Attempt, coordinate
 from jaxsusp.problem.choices import SEARCHES
-from jaxsusp.scenario.scenario import Scenario, load_scenario
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 
 MORE_WAYPOINTS = 2
@@ -37,7 +36,7 @@ class Event(NamedTuple):
 
 
 def plan(
-    scenario: Scenario | str | os.PathLike[str],
+    scenario: Scenario | Named,
     algorithm: str | Optimizer = "sdbo",
     ends: str = "given",
     runs: int = 4,
@@ -50,7 +49,7 @@ def plan(
     samples: int = 40,
     search: str = SEARCHES[0],
     coordination: str = "alternation",
-    progress: Callable[[Event], None] = lambda event: None,
+    progress: Callable[[Event], None] | None = None,
 ) -> Plan:
     """Plan a task, and verify it on the real curve.
 
@@ -85,8 +84,7 @@ def plan(
         ImpossibleTaskError: no tensions within limits can hold the load; told before any search.
         InputError: bad settings, or a system that planning does not cover.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load_scenario(scenario)
+    scenario = load_scenario(scenario)
     require_rule(scenario)
     settings = Settings(
         algorithm_of(algorithm), ends, coordination, runs, iterations, population, seed, samples,
@@ -100,7 +98,8 @@ def plan(
     for attempt in _attempts(retries, waypoints, ends):
 
         def told(phase: str, attempt=attempt) -> None:
-            progress(Event(phase, attempt.number, retries + 1))
+            if progress is not None:
+                progress(Event(phase, attempt.number, retries + 1))
 
         made += 1
         for batch in range(attempt.batches):

@@ -3,7 +3,6 @@
 All of a plan follows from a scenario, the waypoints, the ends and the arms' elbows.
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,7 +15,7 @@ from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import angles
 from jaxsusp.planning.plan import Plan
-from jaxsusp.scenario.scenario import Scenario, load_scenario
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.suspension.rigging import Rigging, ends_beside
 from jaxsusp.trajectory.makima import makima
@@ -29,7 +28,7 @@ FAR = 1e6
 
 
 def plan_through(
-    scenario: Scenario | str | os.PathLike[str],
+    scenario: Scenario | Named,
     waypoints: Float[Array, "..."] | Sequence,
     ends: Float[Array, "..."] | Sequence | None = None,
     samples: int = 40,
@@ -55,8 +54,7 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
-    if not isinstance(scenario, Scenario):
-        scenario = load_scenario(scenario)
+    scenario = load_scenario(scenario)
     require_rule(scenario)
     require_count("samples", samples, least=3)
     waypoints = _points("waypoints", waypoints)

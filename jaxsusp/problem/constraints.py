@@ -1,4 +1,4 @@
-"""Limits of Eq. 22 as counts of violations along a sampled trajectory (n_g of spec §9)."""
+"""Limits of Eq. 22 as counts of violations along a sampled trajectory (n_g, our part of f6)."""
 
 import jax.numpy as jnp
 

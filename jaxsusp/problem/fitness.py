@@ -1,4 +1,4 @@
-"""Fitness of a load trajectory: the six terms of Eq. 21 (spec §9).
+"""Fitness of a load trajectory: the six terms of Eq. 21.
 
 Written for one trajectory with time on axis 0; any trailing axes are candidates of a batch. The
 dtype of the decision vector decides the arithmetic.
@@ -38,7 +38,7 @@ class FitnessTerms(NamedTuple):
 
 
 def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec3:
-    """Sampled load positions of a decision vector: Makima through start, waypoints and goal (§7).
+    """Sampled load positions of a decision vector: Makima through start, waypoints and goal.
 
     Args:
         world: gives start and goal.
@@ -120,7 +120,10 @@ def fitness_terms(
 
 
 def tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -> Array:
-    """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt| (Eq. 21 as spec §9 reads it), samples on axis 0."""
+    """f4 = Σ_k Σ_d |ΔT_k/dt · Δl_k/dt|, samples on axis 0.
+
+    Our reading of Eq. 21, which prints ‖L_k‖‖L_k‖ in place of l_k and leaves the sign free.
+    """
     rates = [
         jnp.abs(_difference(tension) * _difference(length))
         for tension, length in zip(tensions, lengths, strict=True)

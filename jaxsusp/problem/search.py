@@ -1,4 +1,4 @@
-"""Search rules: the point that is evaluated and kept in place of a stray waypoint (spec §6).
+"""Search rules: the point that is evaluated and kept in place of a stray waypoint.
 
 `box` leaves the workspace. `free-space` keeps every waypoint in the union of the free space's
 polytopes, `ellipsoid` in that of their ellipsoids (the paper's rule): the region of least gauge g

@@ -2,7 +2,7 @@
 
 They ask for what is necessary, not for what suffices: that rows belong together, that every end
 is in its robot's reach, and that at start and goal the load hangs inside its workspace, below and
-between the ends, clear of the warning area with all its cables (spec §2, §5).
+between the ends, clear of the warning area with all its cables.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""The tables and keys of a scenario file, each with its type, default and description (spec §13).
+"""The tables and keys of a scenario file, each with its type, default and description.
 
 A `Statement` is what the file says and no more. What must hold between its values is looked at by
 `admissible`; a `Scenario` is a statement that passed. SI units, degrees where a name ends in

@@ -78,11 +78,19 @@ class Scenario(Statement):
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def load_scenario(name_or_path: str | os.PathLike[str]) -> Scenario:
+Named = str | os.PathLike[str]
+"""A scenario's name or its file: what every public function takes in place of a scenario."""
+
+
+def load_scenario(name_or_path: Named | Scenario) -> Scenario:
     """Load a built-in scenario or example by its name, or any scenario from its TOML file.
+
+    A scenario is returned as it is.
 
     Raises:
         ScenarioError: no such scenario, an unreadable file, or one line per problem in it.
     """
+    if isinstance(name_or_path, Scenario):
+        return name_or_path
     path = find(name_or_path)
     return Scenario.from_toml(read(path), path)

@@ -1,4 +1,4 @@
-"""Fresh planning tasks of the benchmark's kind: blocked, and proved to be solvable (spec §6)."""
+"""Fresh planning tasks of the benchmark's kind: blocked, and proved to be solvable."""
 
 import jax
 import jax.numpy as jnp

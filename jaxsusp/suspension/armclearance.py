@@ -36,7 +36,7 @@ class Posture(NamedTuple):
 
 
 def choose_postures(world: World, position: Vec3, ends: Float[Array, "cables xyz"]) -> Posture:
-    """Elbow up (spec §1), or down where the elbow would be in the way and down is better.
+    """Elbow up, or down where the elbow would be in the way and down is better.
 
     An arm whose elbow is up leans over its own column, where its own cable may pass: with the
     nominal ends of the benchmark it does. What is in the way is told at the samples: obstacles,

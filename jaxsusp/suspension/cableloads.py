@@ -36,7 +36,7 @@ def cable_loads(
     acceleration: Float[Array, "times xyz"] | None = None,
     ends: Float[Array, "*#times cables xyz"] | None = None,
 ) -> Loads:
-    """Lengths, tensions, stability factor and postures, float64 (Eq. 3, 4, 6, 18; spec §3).
+    """Lengths, tensions, stability factor and postures, float64 (Eq. 3, 4, 6, 18).
 
     At a hook the load is level and its tensions balance the forces; separate attachments turn it
     to its equilibrium.

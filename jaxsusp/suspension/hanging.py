@@ -20,7 +20,7 @@ from jaxsusp.mechanics.posture.load import Pose, angles
 from jaxsusp.mechanics.posture.potential import is_stable, stiffness
 from jaxsusp.mechanics.posture.redundant import hang_within
 from jaxsusp.mechanics.statics import GRAVITY, force_tensions
-from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
 from jaxsusp.suspension.levelload import ends_at, tight_tension_limits
@@ -46,13 +46,13 @@ class Hanging(NamedTuple):
 
 
 def equilibrium(
-    scenario: Scenario,
+    scenario: Scenario | Named,
     position: Float[Array, "*batch xyz"] | Sequence,
     acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
     posture: Float[Array, "xyz 3"] | Sequence | None = None,
     ends: Float[Array, "*#batch cables xyz"] | Sequence | None = None,
 ) -> Hanging:
-    """How the load hangs at given positions of its centre (spec §3).
+    """How the load hangs at given positions of its centre.
 
     At a hook it hangs level. With separate attachments and fixed ends it turns until its moments
     balance: the posture is that of the equilibrium next to level, of three cables the six balance
@@ -74,6 +74,7 @@ def equilibrium(
     Raises:
         InputError: a tilted posture at a hook; separate attachments whose ends no rule moves.
     """
+    scenario = load_scenario(scenario)
     hook = scenario.payload.attachments == "hook"
     level = np.eye(3)
     start = level if posture is None else np.asarray(posture, np.float64)

@@ -23,7 +23,7 @@ DOUBLE_PRECISION_TENSION = 1e-9  # N, for tensions that are put exactly at their
 
 
 def ends_at(world: World, position: Vec3, drive: str) -> Vec3:
-    """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode (§1).
+    """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode.
 
     Where ends move, those of separate attachments are moved on until they hold the load level,
     see `mechanics.posture.levelling`.

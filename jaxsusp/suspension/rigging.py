@@ -99,7 +99,7 @@ class Rigging:
 
     @property
     def rolls(self) -> bool:
-        """Whether the bases carry the ends along: P_k = O_k + const (spec §1)."""
+        """Whether the bases carry the ends along: P_k = O_k + const."""
         return self.moves and self.scenario.drive == "base"
 
     def bases_at(

@@ -9,7 +9,7 @@ import numpy as np
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.cables import cable_lengths, cable_vectors
 from jaxsusp.mechanics.statics import force_tensions, weight
-from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.world import build_world, cast_world
 from jaxsusp.suspension.hanging import equilibrium
 from jaxsusp.suspension.levelload import ends_at, tight_tension_limits
@@ -17,11 +17,11 @@ from jaxsusp.vec3 import Vec3
 
 
 def tensions(
-    scenario: Scenario,
+    scenario: Scenario | Named,
     position: Float[Array, "*batch xyz"] | Sequence,
     acceleration: Float[Array, "*#batch xyz"] | Sequence | float = 0.0,
 ) -> Float[Array, "*batch cables"]:
-    """Tension of every cable that balances the payload (Eq. 4-7; spec §3).
+    """Tension of every cable that balances the payload (Eq. 4-7).
 
     At a hook with more than three cables it is the balance nearest to the middle of the tension
     range and within the limits wherever one is, see `mechanics.tensiondistribution`. With separate
@@ -41,6 +41,7 @@ def tensions(
     Raises:
         InputError: separate attachments whose ends no rule moves.
     """
+    scenario = load_scenario(scenario)
     if scenario.payload.attachments != "hook":
         found = equilibrium(scenario, position, acceleration)
         with jax.enable_x64(found.tensions.dtype == np.float64):

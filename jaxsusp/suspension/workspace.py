@@ -11,7 +11,7 @@ from jaxsusp._types import Array, Bool, Float
 from jaxsusp.errors import InputError
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
 from jaxsusp.suspension.hanging import Hanging, equilibrium
@@ -23,6 +23,7 @@ HOOK_SPACING, SEPARATE_SPACING = 0.1, 0.25
 """Default spacing (m); with separate attachments every cell costs an equilibrium."""
 
 _MOST = 5_000_000
+_FEWEST = 3  # cells along an axis: one alone would stand for everything beside it
 _BATCH = 1024  # equilibria at a time
 
 
@@ -68,7 +69,7 @@ class Workspace:
         return room / ((high - low) / 2)
 
 
-def workspace(scenario: Scenario, spacing: float | None = None) -> Workspace:
+def workspace(scenario: Scenario | Named, spacing: float | None = None) -> Workspace:
     """The set of load positions that a suspension can hold, as a grid of cells.
 
     Args:
@@ -78,9 +79,10 @@ def workspace(scenario: Scenario, spacing: float | None = None) -> Workspace:
             separate attachments 0.25.
 
     Raises:
-        InputError: a spacing that is not positive or gives too many cells; separate attachments
-            whose ends move.
+        InputError: a spacing that is not positive or gives too many or too few cells; separate
+            attachments whose ends move.
     """
+    scenario = load_scenario(scenario)
     require_rule(scenario)
     hook = scenario.payload.attachments == "hook"
     axes = _axes(scenario, spacing or (HOOK_SPACING if hook else SEPARATE_SPACING), spacing)
@@ -114,6 +116,12 @@ def _axes(
     if counts.prod() > _MOST:
         least = float((np.prod(high - low) / _MOST) ** (1 / 3))
         raise InputError(f"spacing = {spacing:g} m gives too many cells; give {least:.2g} or more")
+    if given is not None and counts.min() < _FEWEST:
+        most = float((high - low).min() / _FEWEST)
+        raise InputError(
+            f"spacing = {given:g} m gives fewer than {_FEWEST} cells along an axis; give "
+            f"{most:.2g} or less"
+        )
     x, y, z = (
         lo + (np.arange(count) + 0.5) * (hi - lo) / count
         for lo, hi, count in zip(low, high, counts.astype(int), strict=True)

@@ -1,4 +1,4 @@
-"""A smooth curve through the samples of a trajectory, measured by its length (spec §8).
+"""A smooth curve through the samples of a trajectory, measured by its length.
 
 Makima is only C1: along it the acceleration jumps at every knot. A finished plan therefore runs
 on a quintic spline (C4, so that the jerk is continuous) through the Makima samples. The curve is

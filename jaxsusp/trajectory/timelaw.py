@@ -1,4 +1,4 @@
-"""When the load is where: a smooth path driven from rest to rest (spec §8, Fig. 8)."""
+"""When the load is where: a smooth path driven from rest to rest (Fig. 8)."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -96,7 +96,7 @@ Shape = BoxShape | CylinderShape | CapsuleShape
 
 
 def obstacle_shape(obstacle: Any) -> Shape:
-    """The exact body of an obstacle; a mesh gives way to its bounding box (spec §5)."""
+    """The exact body of an obstacle; a mesh gives way to its bounding box."""
     center = np.asarray(obstacle.center, np.float64)
     match obstacle.kind:
         case "box" | "mesh":

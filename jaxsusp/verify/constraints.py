@@ -1,4 +1,4 @@
-"""The constraint report: all of Eq. 22 with numbers, on the real curve of a plan (spec §9)."""
+"""The constraint report: all of Eq. 22 with numbers, on the real curve of a plan."""
 
 from typing import NamedTuple
 
@@ -152,7 +152,7 @@ def _cables_in_load(scenario: Scenario, posture, position, ends) -> np.ndarray:
 
 
 def _kept(rigging: Rigging, lengths: np.ndarray, ends: np.ndarray, times) -> list[Check]:
-    """What a drive mode does not change: cable lengths, and the heights of bases (spec §1)."""
+    """What a drive mode does not change: cable lengths, and the heights of bases."""
     scenario, inf = rigging.scenario, np.inf
     if scenario.drive not in ("end", "base"):
         return []

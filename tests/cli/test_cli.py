@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -99,9 +100,10 @@ def test_json_holds_the_tables_and_no_nan(run, tmp_path):
     code, out, err = run("compare", *SMALL, "--output", tmp_path, "--json")
     assert code == 0
     printed = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
-    assert {"comparison", "ratios", "stability", "files"} <= printed.keys()
+    assert {"comparison", "stability", "files"} <= printed.keys()
+    assert "ratios" not in printed  # there is no dbo
     assert [row["algorithm"] for row in printed["comparison"]] == ["ga", "sdbo"] * 2
-    assert printed["ratios"][1]["min"] is None  # there is no dbo
+    assert printed["stability"][0]["acted"] is not None
     assert all(Path(file).is_file() for file in printed["files"])
     lines = err.splitlines()
     assert [line.split(":")[0] for line in lines[:2]] == ["ga finished", "sdbo finished"]
@@ -128,6 +130,37 @@ def test_tables_fit_eighty_columns(run, saved, tmp_path, monkeypatch):
     _, out, _ = run("report", saved, "--output", tmp_path)
     assert max(map(len, out.splitlines())) <= 80
     assert "…" not in out
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_the_papers_ratios_are_shown_only_beside_ours(run, saved, uninterrupted, tmp_path):
+    _, out, _ = run("report", saved, "--output", tmp_path / "one")
+    assert "SDBO / DBO" not in out
+    assert not (tmp_path / "one" / "ratios.md").exists()
+    both = tmp_path / "both.nc"
+    js.save_results(uninterrupted.assign_coords(algorithm=["dbo", "sdbo"]), both)
+    _, out, _ = run("report", both, "--output", tmp_path / "two")
+    assert "SDBO / DBO" in out
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("columns", ["20", "80"])
+def test_every_row_of_a_listing_is_one_line(run, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", columns)
+    for arguments in (["scenarios"], ["scenarios", "--examples"], ["algorithms"]):
+        lines = run(*arguments)[1].splitlines()
+        assert len(lines) == 1 + len(json.loads(run(*arguments, "--json")[1]))
+        assert not any("…" in line for line in lines)
+        assert max(map(len, lines)) <= 80 or arguments == ["algorithms"]
+
+
+@pytest.mark.fast
+def test_help_shows_flags_as_flags(run):
+    for command, flags in (("compare", ["--resume", "--json"]), ("scenarios", ["--examples"])):
+        lines = run(command, "--help")[1].splitlines()
+        for flag in flags:
+            (line,) = (line for line in lines if line.startswith(f"│ {flag} "))
+            assert "<bool>" not in line
 
 
 def test_lists_are_tables_or_json(run):
@@ -159,7 +192,9 @@ def test_help_shows_an_example(run, command):
         (["compare", "--iterations", ""], "'--iterations': ''; give a whole number"),
         (["compare", "--population", "2", "--algorithms", "dbo"], "population"),
         (["compare", "--scenarios", "scenario-7"], "scenario-7: is neither a file nor"),
-        (["compare", "--scenarios", ","], "scenarios: none given"),
+        (["compare", "--scenarios", ""], "scenarios: none given"),
+        (["compare", "--scenarios", "a,,b"], "scenarios = 'a,,b': one of the names is empty"),
+        (["compare", "--algorithms", "ga,"], "algorithms = 'ga,': one of the names is empty"),
         (["compare", "--scenarios", "missing.toml"], "missing.toml: is neither a file"),
         (["compare", "--scenarios", "broken.toml"], "broken.toml: is not valid TOML"),
         (["compare", "--scenarios", "key.toml"], "key.toml: payload.mas = 9.0 is not a known key"),
@@ -169,12 +204,17 @@ def test_help_shows_an_example(run, command):
         (["compare", "--algorithms", "ga,ga"], "'ga' is repeated"),
         (["compare", "--search", "foo"], "search = 'foo' is not known"),
         (["compare", "--budget", "time"], "budget = 'time' is not known"),
-        (["compare", "--output", "broken.toml"], "output = broken.toml: cannot be written"),
+        (["compare", "--output", "broken.toml"], "output = broken.toml: is a file, not a folder"),
         (["compare", "--output", "old", "--resume"], "cannot be resumed, it differs in"),
         (["compare", "--colour"], "No such option: --colour"),
         (["report", "missing.nc"], "missing.nc: no such file"),
         (["report", "broken.toml"], "broken.toml: cannot be read as NetCDF-4"),
-        (["report", "old/compare.nc", "--output", "broken.toml"], "broken.toml: File exists"),
+        (
+            ["report", "old/compare.nc", "--output", "broken.toml"],
+            "output = broken.toml: is a file",
+        ),
+        (["report", "old"], "old: is a folder, not a file; give old/compare.nc"),
+        (["report", "."], ".: is a folder, not a file; give a compare.nc that `jaxsusp compare`"),
         (["compair"], "Did you mean 'compare'"),
     ],
 )
@@ -228,10 +268,11 @@ def test_an_interrupt_before_anything_is_finished_says_so(run, tmp_path, monkeyp
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(comparison, "stack_scenarios", interrupted)
-    code, out, err = run("compare", *SMALL, "--output", tmp_path)
+    monkeypatch.setattr(comparison, "_compute_missing", interrupted)
+    code, out, err = run("compare", *SMALL, "--output", tmp_path / "new")
     assert (code, out) == (130, "")
     assert err == "Interrupted: no algorithm had finished; nothing was written.\n"
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_interrupt_in_a_callback_that_swallows_it_is_not_lost(run, tmp_path, monkeypatch):
@@ -239,9 +280,9 @@ def test_an_interrupt_in_a_callback_that_swallows_it_is_not_lost(run, tmp_path, 
         signal.raise_signal(signal.SIGINT)
         return [None for _ in range(100)]
 
-    def long_comparison(*_, progress, **__):
+    def long_comparison(*_, **__):
         _xla_gc_callback()
-        progress(Event("ga", "running", 1, 2))
+        time.sleep(20)
         pytest.fail("the interrupt was lost")
 
     monkeypatch.setattr(comparison, "compare", long_comparison)

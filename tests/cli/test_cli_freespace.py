@@ -2,10 +2,14 @@
 
 import json
 
+import cvxpy as cp
 import numpy as np
 import pytest
+from cvxpy.reductions.solvers.defines import SOLVER_MAP_CONIC
 
 import jaxsusp as js
+from jaxsusp.freespace.choices import SOLVERS, solvers
+from jaxsusp.freespace.ellipsoid import require_solver
 
 
 @pytest.fixture
@@ -55,6 +59,7 @@ def test_no_route_is_status_one(run, walled, tmp_path):
         (["scenario-9"], "scenario-9: is neither a file nor a built-in scenario"),
         (["scenario-1", "--coverage", "2"], "coverage = 2.0: give a share between 0 and 1"),
         (["scenario-1", "--solver", "gurobbi"], "solver = 'gurobbi' is not known"),
+        (["scenario-1", "--solver", "HIGHS"], "'HIGHS' is not known; choose from CLARABEL"),
     ],
 )
 def test_bad_input_is_status_two(run, tmp_path, arguments, message):
@@ -62,3 +67,13 @@ def test_bad_input_is_status_two(run, tmp_path, arguments, message):
     assert (status, out) == (2, "")
     assert message in err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.fast
+def test_the_solvers_to_choose_from_are_those_that_solve_cone_programs():
+    """The list, which loads nothing, agrees with cvxpy, and what is installed works."""
+    for name in SOLVERS:
+        assert cp.SOC in SOLVER_MAP_CONIC[name].SUPPORTED_CONSTRAINTS, name
+    assert set(solvers()) == set(SOLVERS) & set(cp.installed_solvers())
+    for name in {"CLARABEL", *solvers()} - {"COPT", "GUROBI", "MOSEK", "CPLEX", "XPRESS"}:
+        require_solver(name)  # the others may lack a licence

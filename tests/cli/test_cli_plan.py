@@ -64,11 +64,12 @@ def test_an_infeasible_plan_ends_with_status_one_and_its_reasons(
 
 
 def test_verify_checks_and_simulates(run, file, tmp_path):
-    status, said, told = run("verify", file, "--model", tmp_path / "model.xml")
+    model = tmp_path / "new" / "model.xml"
+    status, said, told = run("verify", file, "--model", model)
     assert status == 0
     assert "tracking error" in said
     assert "feasible and certified" in said
-    assert (tmp_path / "model.xml").read_text().startswith("<mujoco")
+    assert model.read_text().startswith("<mujoco")
     assert "model.xml" in told
 
 

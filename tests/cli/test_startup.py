@@ -10,7 +10,7 @@ import jaxsusp as js
 HEAVY = "jax numpy scipy pandas xarray cvxpy mujoco matplotlib trimesh"
 RUN = f"""
 import sys
-from jaxsusp.cli import main
+from jaxsusp.cli.main import main
 sys.argv[0] = "jaxsusp"
 try:
     main()
@@ -62,6 +62,14 @@ def test_the_version_is_that_of_the_package():
         ("compare --itertions 5", "No such option"),
         ("compere", "No such command"),
         ("compare --runs x", "give a whole number"),
+        ("compare --runs 0", "runs = 0: give a whole number of at least 1"),
+        ("plan scenario-1 --retries -1", "retries = -1: give a whole number of at least 0"),
+        ("freespace scenario-1 --coverage 2", "coverage = 2.0: give a share"),
+        ("freespace scenario-1 --solver HIGHS", "choose from CLARABEL"),
+        ("workspace scenario-1 --spacing -1", "spacing = -1.0: give a length above 0 m"),
+        ("plan scenario-1 --output pyproject.toml", "is a file, not a folder"),
+        ("verify plan.json --video p.txt", "give a file name that ends in .mp4"),
+        ("compare --algorithms pso,,ga", "one of the names is empty"),
     ],
 )
 def test_a_mistake_is_told_before_anything_heavy_is_loaded(arguments, message):

@@ -1,4 +1,4 @@
-"""The count n_p is sound between the samples (spec §5): zero means clear at every instant.
+"""The count n_p is sound between the samples: zero means clear at every instant.
 
 The reference moves payload and cables along the polyline in small steps and measures points of
 them against the warning areas, with formulas of its own.

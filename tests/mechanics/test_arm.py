@@ -133,7 +133,7 @@ def test_no_assignment_of_the_printed_ends_to_robots_is_in_reach(table_2):
 
 
 def test_every_printed_row_would_need_a_cable_that_pushes(table_2, scenarios):
-    """With the hook, at scenario 1's start and at its goal (spec §12)."""
+    """With the hook, at scenario 1's start and at its goal."""
     scenario = scenarios[0]
     places = np.array([scenario.task.start, scenario.task.goal])
     for ends in table_2.values():

@@ -99,7 +99,7 @@ def test_slack_unequal_and_undefined_tensions_earn_nothing():
 
 
 def test_about_forty_per_cent_of_the_admissible_workspace_is_in_the_window(scenarios):
-    """The share that the specification states as the reason for the cube roots."""
+    """The share that `mechanics.stability` gives as the reason for its cube roots."""
     world = build_world(scenarios[0])
     rng = np.random.default_rng(0)
     points = rng.uniform(scenarios[0].workspace.lower, scenarios[0].workspace.upper, (20000, 3))

@@ -24,7 +24,7 @@ def system(scenario):
 @given(position=inside)
 @settings(deadline=None, max_examples=100)
 def test_level_ends_give_barycentric_tensions(scenarios, position):
-    """T_k = w_k m g l_k / (z_P - z_hook) with barycentric weights w (spec §3)."""
+    """T_k = w_k m g l_k / (z_P - z_hook) with barycentric weights w."""
     ends, hook = system(scenarios[0])
     point = np.array(position) + hook
     weights = np.linalg.solve(np.vstack([ends[:, :2].T, np.ones(3)]), [*point[:2], 1])

@@ -1,6 +1,6 @@
 """Dung beetle optimisation: the published program's figures on the classical functions.
 
-D = 30, N = 30, T = 500, 30 runs, float64 (spec §11).
+D = 30, N = 30, T = 500, 30 runs, float64.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Fitness terms against closed forms, finite differences and the specification's figures."""
+"""Fitness terms against closed forms, finite differences and figures of straight lines."""
 
 import jax
 import jax.numpy as jnp
@@ -29,7 +29,7 @@ def straight(scenario: js.Scenario, waypoints: int = 5) -> np.ndarray:
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("i", range(6))
-def test_straight_lines_give_the_specified_figures(scenarios, problems, i, dtype):
+def test_straight_lines_give_the_known_figures(scenarios, problems, i, dtype):
     found = terms(problems[i], straight(scenarios[i]).astype(dtype))
     length, cable, rate = STRAIGHT[i % 2]
     assert found.total.dtype == dtype

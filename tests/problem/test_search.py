@@ -19,7 +19,7 @@ def space(scenarios) -> js.FreeSpace:
 
 
 def gauges(space: js.FreeSpace, search: str, x: np.ndarray) -> np.ndarray:
-    """Gauge of points (n, 3) in every region, (n, R): spec §6."""
+    """Gauge of points (n, 3) in every region, (n, R); 1 on its boundary."""
     if search == "ellipsoid":
         away = x[:, None] - space.d
         return np.linalg.norm(np.einsum("rij,nrj->nri", np.linalg.inv(space.C), away), axis=2)

@@ -44,7 +44,7 @@ def changed(old, new, text=MINIMAL):
     return text.replace(old, new, 1)
 
 
-# What the six built-in scenarios are: the tables of their specification.
+# What the six built-in scenarios are, stated apart from their files; they stay as they are.
 
 BOX, CYLINDER, SPHERE = "box", "cylinder", "sphere"
 OBSTACLES = [

@@ -87,14 +87,14 @@ def test_the_picture_has_six_slices_and_the_table_the_volumes(space):
 
 
 def test_the_command_writes_picture_and_table(tmp_path, monkeypatch, capsys):
-    from jaxsusp import cli
+    from jaxsusp.cli.main import main
     from jaxsusp.optim import devices
 
     monkeypatch.setattr(devices, "configure", lambda **_: None)  # JAX has started already
     arguments = ["jaxsusp", "workspace", "four-robots", "--spacing", "0.35", "--json"]
     monkeypatch.setattr("sys.argv", [*arguments, "--output", str(tmp_path)])
     with pytest.raises(SystemExit) as ended:
-        cli.main()
+        main()
     said = capsys.readouterr()
     assert ended.value.code == 0
     answer = json.loads(said.out)

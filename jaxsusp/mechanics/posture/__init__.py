@@ -1,1 +1,1 @@
-"""A load on separate attachments turns until forces and moments balance (Sect. 2.2; spec §3)."""
+"""A load on separate attachments turns until forces and moments balance (Sect. 2.2)."""

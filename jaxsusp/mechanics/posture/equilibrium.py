@@ -1,4 +1,4 @@
-"""Equilibria of a load on cables with separate attachments and fixed ends (spec §3).
+"""Equilibria of a load on cables with separate attachments and fixed ends.
 
 With three cables J is 6×3 and a given pose balances only by accident: the load turns until it
 does. `hang` finds the posture (and tensions) at a given position, `settle` the whole pose at

@@ -1,4 +1,4 @@
-"""Movable ends: cable forces with the internal forces that balance leaves open (spec §3).
+"""Movable ends: cable forces with the internal forces that balance leaves open.
 
 Where the ends may go anywhere, the unknowns are the cable *forces* f_k = T_k u_k, and the grasp
 map G (6×3K) from them to the wrench is linear. Its rank is 6 for separate attachments that are

@@ -1,4 +1,4 @@
-"""Ends that keep a load with separate attachments level, wherever the load is (spec §3).
+"""Ends that keep a load with separate attachments level, wherever the load is.
 
 Where the ends may move, the cable *forces* are free, and the grasp map has rank 6: of all forces
 that balance a level load at rest we take those nearest to the ones along the cables of the drive

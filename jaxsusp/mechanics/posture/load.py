@@ -1,4 +1,4 @@
-"""The suspended load as statics sees it, at any pose (Sect. 2.2; spec §3).
+"""The suspended load as statics sees it, at any pose (Sect. 2.2).
 
 A pose is the position of the payload frame's origin and a rotation R from that frame to the
 world. Nothing here assumes that the load hangs level, that gravity points along -z, or that the

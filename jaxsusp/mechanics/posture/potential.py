@@ -1,4 +1,4 @@
-"""Is an equilibrium stable?  Second-order test on the poses that the taut cables allow (spec §3).
+"""Is an equilibrium stable?  Second-order test on the poses that the taut cables allow.
 
 At an equilibrium the potential energy U = -m g·(centre of mass) is stationary on the set of poses
 with unchanged cable lengths, and the tensions are its multipliers: ∇(U + Σ T_k l_k) = 0. It is

@@ -1,4 +1,4 @@
-"""Fixed ends, any number of cables, a given posture: least squares with its residual (spec §3).
+"""Fixed ends, any number of cables, a given posture: least squares with its residual.
 
 With J 6×K there is in general no T that balances a given pose. Moments are scaled by the largest
 attachment radius before anything mixes them with forces. What is left over is reported.
@@ -27,8 +27,9 @@ class Supplied(NamedTuple):
 
 
 def least_squares_tensions(pose: Pose, load: Load, ends: Float[Array, "cables xyz"]) -> Supplied:
-    """T = (JᵀJ)⁻¹ Jᵀ F without any limits, J and F with scaled moments (spec §3, §12 on Eq. 7).
+    """T = (JᵀJ)⁻¹ Jᵀ F without any limits, J and F with scaled moments.
 
+    It stands in for Eq. 7: of the paper's J, 3×6, the printed Jᵀ(JJᵀ)⁻¹ cannot multiply F.
     For cables that are not independent the shortest such T.
     """
     matrix, needed = _scaled(pose, load, ends)

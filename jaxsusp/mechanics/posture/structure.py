@@ -52,7 +52,7 @@ def wrench(
 ) -> Float[Array, "6"]:
     """F = (m ẍ, m ÿ, m z̈ + m g ; I α̈) that the cables must supply (Eq. 6), N and N m.
 
-    The inertia is per axis: the printed I_x α̈₂ equals I_y α̈₂ for an upright cylinder (spec §12).
+    The inertia is per axis: the printed I_x α̈₂ equals I_y α̈₂ for an upright cylinder.
     Gravity is its magnitude if it points downwards, else the vector, such as (0, 0, -9.81).
     """
     vector = jnp.asarray(gravity, acceleration.dtype)

@@ -1,4 +1,4 @@
-"""A load that is allowed to tilt: how much room it takes, and how far it turns (spec §3).
+"""A load that is allowed to tilt: how much room it takes, and how far it turns.
 
 With separate attachments and fixed ends a level load is in general no equilibrium: it turns until
 its moments balance. Planning plans positions of a level load, so everything is drawn a little

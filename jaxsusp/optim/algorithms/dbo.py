@@ -1,4 +1,4 @@
-"""Dung beetle optimisation (Xue & Shen 2022; Eq. 8-12 as the authors' program has them, spec §11).
+"""Dung beetle optimisation (Xue & Shen 2022; Eq. 8-12 as the authors' program has them).
 
 p is each beetle's personal best, p' the personal bests one iteration earlier, x the latest
 candidates, X* the best of the current x, X^b the best so far.

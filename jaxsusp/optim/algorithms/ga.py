@@ -1,4 +1,4 @@
-"""Real-coded genetic algorithm with pymoo's default operators (spec §11).
+"""Real-coded genetic algorithm with pymoo's default operators.
 
 Binary tournament, bounded simulated binary crossover and bounded polynomial mutation (Deb &
 Agrawal 1995; Deb & Goyal 1996), (μ+λ) survival with duplicates kept.

@@ -1,4 +1,4 @@
-"""Particle swarm optimisation with linearly decreasing inertia (Shi & Eberhart 1998; spec §11)."""
+"""Particle swarm optimisation with linearly decreasing inertia (Shi & Eberhart 1998)."""
 
 from typing import NamedTuple
 

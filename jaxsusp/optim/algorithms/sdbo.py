@@ -1,4 +1,4 @@
-"""Stable dung beetle optimisation, the paper's algorithm (Eq. 13-19; spec §11).
+"""Stable dung beetle optimisation, the paper's algorithm (Eq. 13-19).
 
 DBO with four additions: opposition-based initial population (Eq. 13), sine-cosine moves for the
 last few thieves (Eq. 14-16), a pull of every beetle towards the best (Eq. 17), and a scaling of
@@ -30,7 +30,7 @@ from jaxsusp.problem.problem import Problem
 
 
 class SdboCoefficients(NamedTuple):
-    """Defaults: the paper's, with Eq. 16 read as a linear decrease (spec §12)."""
+    """Defaults: the paper's, but for Eq. 16: it runs negative as printed; here w falls linearly."""
 
     dbo: DboCoefficients = DboCoefficients()
     amplitude: float = 2.0  # c of Eq. 15

@@ -34,6 +34,8 @@ PRINTED = ("comparison", "ratios", "stability")
 def build_tables(ds: xr.Dataset) -> dict[str, pd.DataFrame]:
     """All tables that this comparison has something to say in."""
     built = {name: build(ds) for name, build in TABLES.items()}
+    if not tables.has_ratios(built["ratios"]):
+        del built["ratios"]
     return {name: frame for name, frame in built.items() if not frame.empty}
 
 

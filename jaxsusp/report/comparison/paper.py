@@ -1,4 +1,4 @@
-"""The paper's Table 1 as printed: its SDBO/DBO ratios, and what does not add up in it (spec §12).
+"""The paper's Table 1 as printed: its SDBO/DBO ratios, and what does not add up in it.
 
 Absolute values are not comparable with ours, because the paper prints no obstacle coordinates;
 ratios and rankings are.

@@ -111,6 +111,12 @@ def ratio_table(ds: xr.Dataset) -> pd.DataFrame:
     return frame
 
 
+def has_ratios(frame: pd.DataFrame) -> bool:
+    """Whether a `ratio_table` holds a ratio of ours; the paper's alone say nothing about us."""
+    ours = frame.loc[frame["source"] == "ours", list(paper.RATIOS)]
+    return bool(ours.notna().any(axis=None))
+
+
 def stability_table(ds: xr.Dataset) -> pd.DataFrame:
     """How often SDBO's stability move (Eq. 19) acted, for the algorithms that have it.
 

@@ -291,7 +291,7 @@ def test_bounded_least_squares_is_scipy_s():
 
 
 def test_a_level_pose_of_separate_attachments_leaves_a_moment():
-    """The least squares of 6×3 is reported with what it cannot balance (spec §3, §12)."""
+    """The least squares of 6×3 is reported with what it cannot balance."""
     load, ends = load_of(ring(3, 0.1, 0.15)), jnp.asarray(ring(3, 6, 7.0))
     pose = Pose(jnp.asarray([1.0, 0.5, 2.0]), jnp.eye(3))
     found = least_squares_tensions(pose, load, ends)

@@ -42,7 +42,7 @@ def test_the_rank_of_the_grasp_map_and_what_is_left_over(attachments, expected):
 
 @pytest.mark.fast
 def test_three_fixed_cables_leave_no_internal_tension():
-    """J is 6×3 of rank 3: N(J) = {0}, and the printed J⁺ = Jᵀ(JJᵀ)⁻¹ does not exist (spec §12)."""
+    """J is 6×3 of rank 3: N(J) = {0}, and J⁺ = Jᵀ(JJᵀ)⁻¹ as printed in Eq. 7 does not exist."""
     rng = np.random.default_rng(0)
     for attachments in (RIM, LINE, HOOK):
         ends = jnp.asarray(rng.normal((0, 0, 7), 2, (3, 3)))
