@@ -28,6 +28,8 @@ from .mechanics.posture.graspmap import ends_of_forces as ends_of_forces
 from .freespace.build import free_space as free_space
 from .freespace.space import FreeSpace as FreeSpace
 from .freespace.space import load_free_space as load_free_space
+from .freespace.routes import routes as routes
+from .freespace.space import Route as Route
 
 # the suspension of a scenario at given positions
 from .suspension.tensions import tensions as tensions
@@ -48,6 +50,9 @@ from .optim.algorithms.pso import pso as pso
 from .optim.algorithms.ga import ga as ga
 from .optim.algorithms.dbo import dbo as dbo
 from .optim.algorithms.sdbo import sdbo as sdbo
+from .optim.algorithms.cmaes import cmaes as cmaes
+from .optim.algorithms.jde import jde as jde
+from .optim.algorithms.routed import routed as routed
 from .optim.registry import ALGORITHMS as ALGORITHMS
 from .optim.minimize import minimize as minimize
 from .optim.minimize import Result as Result

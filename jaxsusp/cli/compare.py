@@ -28,7 +28,7 @@ from jaxsusp.cli.options import (
 )
 from jaxsusp.comparison.choices import BUDGETS, FILE
 from jaxsusp.errors import require, require_known
-from jaxsusp.optim.choices import PUBLISHED
+from jaxsusp.optim.choices import ALGORITHMS, PUBLISHED
 from jaxsusp.scenario.builtin import scenarios as built_in
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def compare(
         str | None, typer.Option(help="Names or TOML files, separated by commas; default: the six.")
     ] = None,
     algorithms: Annotated[
-        str, typer.Option(help="Names separated by commas, see `jaxsusp algorithms`.")
+        str, typer.Option(help='Names separated by commas, see `jaxsusp algorithms`; or "all".')
     ] = ",".join(PUBLISHED),
     runs: Runs = 20,
     iterations: Iterations = 500,
@@ -66,7 +66,7 @@ def compare(
 ) -> None:
     """Run every algorithm on every scenario; write tables, figures and compare.nc."""
     chosen = built_in() if scenarios is None else names("scenarios", scenarios)
-    named = names("algorithms", algorithms)
+    named = [*ALGORITHMS] if algorithms == "all" else names("algorithms", algorithms)
     require_choices(chosen, named, search)
     require_known("budget", budget, BUDGETS)
 

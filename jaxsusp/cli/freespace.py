@@ -98,7 +98,7 @@ def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
     import numpy as np
     from rich.console import Console
 
-    from jaxsusp.report.freespace import region_table
+    from jaxsusp.report.freespace import region_table, ways
     from jaxsusp.report.render import to_rich
 
     seconds = space.details["seconds"]
@@ -111,6 +111,9 @@ def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
             "polyline": space.polyline.tolist(),
             "length": space.length if space.connected else None,
             "bound": space.bound if np.isfinite(space.bound) else None,
+            "ways": [
+                {**each._asdict(), "polyline": each.polyline.tolist()} for each in space.routes
+            ],
             "regions": region_table(space).drop(columns="route").to_dict("records"),
             "seconds": seconds,
             "files": [str(file) for file in files],
@@ -120,6 +123,8 @@ def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
     console = Console()
     console.print(to_rich(region_table(space)), "")
     if space.connected:
+        console.print("Distinct taut ways from start to goal:")
+        console.print(*ways(space), "", sep="\n", highlight=False)
         console.print(
             "No polyline through this sequence of regions is shorter than "
             f"{np.floor(1e4 * space.bound) / 1e4:.4f} m."

@@ -41,7 +41,7 @@ def plan(
     scenario: Named,
     algorithm: Annotated[
         str, typer.Option(help="What searches, see `jaxsusp algorithms`.")
-    ] = "sdbo",
+    ] = "routed",
     ends: Annotated[
         str,
         typer.Option(
@@ -56,7 +56,7 @@ def plan(
     ] = COORDINATIONS[0],
     runs: Runs = 4,
     iterations: Iterations = 300,
-    population: Population = 30,
+    population: Population = 90,
     retries: Annotated[int, count("Further attempts where one gives no feasible plan.", 0)] = 3,
     seed: Seed = 0,
     search: Search = SEARCH,

@@ -60,7 +60,7 @@ def compare(
 
     Args:
         scenarios: built-in names, paths of scenario files, or scenarios.
-        algorithms: names (see `jaxsusp.ALGORITHMS`) or optimisers.
+        algorithms: names (see `jaxsusp.ALGORITHMS`), "all" of them, or optimisers.
         runs: independent runs of every algorithm on every scenario.
         iterations: iterations per run.
         population: candidates per iteration.
@@ -178,7 +178,7 @@ def _sorted(ds: xr.Dataset, scenarios: list[str], algorithms: list[str]) -> xr.D
 
 def _optimizers(choices: str | Sequence[str | Optimizer]) -> list[Optimizer]:
     """Optimisers with distinct names that can label the dataset."""
-    optimizers = algorithms_of([choices] if isinstance(choices, str) else choices)
+    optimizers = algorithms_of(choices)
     for optimizer in optimizers:
         require_label("algorithm", optimizer.name)
     return optimizers

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from importlib.metadata import version
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ from jaxsusp.freespace.ellipsoid import SOLVER, require_solver
 from jaxsusp.freespace.graph import RegionGraph
 from jaxsusp.freespace.iris import Bodies, Region, iris, proved_apart
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, irredundant
+from jaxsusp.freespace.routes import WaySearch
 from jaxsusp.freespace.space import FORMAT, FreeSpace, assemble, load_free_space
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 
@@ -30,6 +32,9 @@ TARGETS = 5
 
 CANDIDATES = 4
 """Seeds that are tried per further region; the one that adds most coverage is kept."""
+
+WAYS = 8
+"""Distinct ways from start to goal that are kept, taut ones and level ones."""
 
 CACHE = "JAXSUSP_CACHE"
 """Environment variable with the folder of the cache; empty means no cache."""
@@ -49,6 +54,7 @@ def free_space(
     limit: int = 200,
     seed: int = 0,
     solver: str = SOLVER,
+    routes: bool = True,
     cache: bool = True,
     progress: Callable[[Growth], None] | None = None,
 ) -> FreeSpace:
@@ -67,6 +73,7 @@ def free_space(
         limit: greatest number of regions.
         seed: of the samples.
         solver: of the cone programs, by the name cvxpy knows it by.
+        routes: whether distinct ways from start to goal are looked for (a second or two).
         cache: whether to look it up, and to keep it.
         progress: called after every region.
 
@@ -82,7 +89,13 @@ def free_space(
     require_count("limit", limit, least=2)
     require_seed(seed)
     require_solver(solver)
-    settings = {"coverage": coverage, "limit": limit, "seed": seed, "solver": solver}
+    settings = {
+        "coverage": coverage,
+        "limit": limit,
+        "seed": seed,
+        "solver": solver,
+        "routes": routes,
+    }
     file = _cache_file(scenario, settings) if cache else None
     if file:
         with suppress(InputError, OSError):  # missing or damaged: it is built and written
@@ -134,9 +147,16 @@ class _Builder:
     def _describe(self, coverage: float, reason: str, clock: float) -> FreeSpace:
         self.seconds["regions"] = time.perf_counter() - clock
         clock = time.perf_counter()
-        route, polyline, bound = [], np.empty((0, 3)), np.inf
+        route, polyline, bound, ways, level = [], np.empty((0, 3)), np.inf, (), ()
+        faces = tuple(body.faces for body in self.bodies.bodies)
+        names = tuple(body.name for body in self.bodies.bodies)
         if not reason:
             route = self.graph.route(self.start, self.goal)
+            if self.settings["routes"]:
+                search = WaySearch(self.graph, faces, names, self.start, self.goal)
+                ways = tuple(islice(search.routes(), WAYS))
+                level = tuple(islice(search.level(), WAYS))
+                route = search.joined(ways[0]) or route
             polyline, bound = self.graph.shortest_polyline(
                 route, self.start, self.goal, self.settings["solver"]
             )
@@ -149,8 +169,10 @@ class _Builder:
             bound=bound,
             coverage=coverage,
             reason=reason,
-            bodies=tuple(body.faces for body in self.bodies.bodies),
-            body_names=tuple(body.name for body in self.bodies.bodies),
+            bodies=faces,
+            body_names=names,
+            routes=ways,
+            level=level,
             details={**self.settings, "bodies": len(self.bodies), "seconds": self.seconds},
         )
 

@@ -22,6 +22,14 @@ class RegionGraph:
         self.regions: list[Region] = []
         self._meets: list[list[bool]] = []
 
+    @classmethod
+    def of(cls, regions: Sequence[Region], adjacency: Bool[np.ndarray, "n n"]) -> "RegionGraph":
+        """A graph whose adjacency is known."""
+        graph = cls()
+        graph.regions = list(regions)
+        graph._meets = [row[:i].tolist() for i, row in enumerate(adjacency)]
+        return graph
+
     def add(self, region: Region) -> None:
         """Take in a region."""
         self._meets.append([_meet(region, other) for other in self.regions])
@@ -64,7 +72,7 @@ class RegionGraph:
         """
         crossings = np.argwhere(np.triu(self.adjacency)).tolist()
         places = np.array(
-            [start, goal, *(center(self._crossing(i, j)) for i, j in crossings)], np.float64
+            [start, goal, *(center(self.crossing(i, j)) for i, j in crossings)], np.float64
         )
         members: list[set[int]] = [set(self.holding(start)), set(self.holding(goal))]
         members += [set(pair) for pair in crossings]
@@ -102,7 +110,7 @@ class RegionGraph:
             The polyline (m) with start and goal, and a lower bound (m) that holds for every
             polyline through this sequence of regions, whatever the solver's tolerance.
         """
-        crossings = [self._crossing(i, j) for i, j in pairwise(route)]
+        crossings = [self.crossing(i, j) for i, j in pairwise(route)]
         if not crossings:
             return np.array([start, goal]), float(np.linalg.norm(goal - start))
         x = cp.Variable((len(crossings), 3))
@@ -123,7 +131,8 @@ class RegionGraph:
         pulls = -np.asarray(steps.dual_value[1]).T
         return np.array([start, *exact, goal]), _least_length(crossings, pulls, start, goal)
 
-    def _crossing(self, i: int, j: int) -> HalfSpaces:
+    def crossing(self, i: int, j: int) -> HalfSpaces:
+        """What two regions share."""
         return self.regions[i].polytope & self.regions[j].polytope
 
 
@@ -154,7 +163,7 @@ def _least_length(crossings: list[HalfSpaces], pulls: Points, start: Point, goal
     for crossing, cost in zip(crossings, y[:-1] - y[1:], strict=True):
         found = linprog(cost, crossing.A, crossing.b, bounds=(None, None), method="highs")
         least += found.fun if found.fun is not None else -np.inf
-    return least
+    return least - 1e-7 * (1 + abs(least))  # HiGHS is exact to 1e-7
 
 
 def center(halves: HalfSpaces) -> Point:

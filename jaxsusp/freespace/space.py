@@ -5,7 +5,7 @@ import os
 from dataclasses import dataclass, field, fields
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -16,9 +16,9 @@ from jaxsusp.errors import InputError
 from jaxsusp.freespace.ellipsoid import Ellipsoid
 from jaxsusp.freespace.graph import center, polyline_length
 from jaxsusp.freespace.iris import Region
-from jaxsusp.freespace.polyhedra import HalfSpaces, volume
+from jaxsusp.freespace.polyhedra import HalfSpaces, Points, volume
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file's layout and of what builds it: a cache keeps nothing of another one."""
 
 _DIMS: dict[str, tuple[str, ...]] = {
@@ -30,6 +30,15 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "route": ("step",),
     "polyline": ("point", "axis"),
 }
+
+
+class Route(NamedTuple):
+    """A locally shortest way."""
+
+    polyline: Points  # from start to goal, m
+    regions: tuple[int, ...]  # that hold it, in order
+    length: float  # m
+    bends: tuple[str, ...]  # round what it goes, and on which side
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +64,10 @@ class FreeSpace:
     coverage: float  # share of free positions that lie in a region, estimated by sampling
     reason: str = ""  # why there is no route
     details: dict[str, Any] = field(default_factory=dict)  # settings, counts, seconds
+    bodies: tuple[HalfSpaces, ...] = ()  # what the regions keep clear of, in load positions
+    body_names: tuple[str, ...] = ()
+    routes: tuple[Route, ...] = ()  # distinct taut ways from start to goal, shortest first
+    level: tuple[Points, ...] = ()  # ways near the start's height, not taut
 
     def __post_init__(self):
         for each in fields(self):
@@ -146,20 +159,29 @@ def load_free_space(path: str | os.PathLike[str]) -> FreeSpace:
 
 def _to_dataset(space: FreeSpace) -> xr.Dataset:
     variables = {name: (dims, getattr(space, name)) for name, dims in _DIMS.items()}
+    faces = [np.column_stack([body.A, body.b]) for body in space.bodies]
+    variables["body_faces"] = (("body_face", "entry"), np.concatenate([np.empty((0, 4)), *faces]))
+    variables["body_sizes"] = (("body",), np.array([len(each) for each in faces], int))
     attributes = {
         "format": FORMAT,
         "bound": space.bound,
         "coverage": space.coverage,
         "reason": space.reason,
         "details": json.dumps(space.details),
+        "body_names": json.dumps(space.body_names),
+        "routes": json.dumps([[each.polyline.tolist(), *each[1:]] for each in space.routes]),
+        "level": json.dumps([line.tolist() for line in space.level]),
     }
     return xr.Dataset(variables, attrs=attributes)
 
 
 def _from_dataset(ds: xr.Dataset) -> FreeSpace:
-    if ds.attrs["format"] != FORMAT:
-        raise ValueError(f"its format is {ds.attrs['format']}, this version reads {FORMAT}")
-    arrays = {name: ds[name].transpose(*dims).values for name, dims in _DIMS.items()}
+    if not 2 <= ds.attrs["format"] <= FORMAT:
+        raise ValueError(f"its format is {ds.attrs['format']}, this version reads 2 to {FORMAT}")
+    arrays: dict[str, Any] = {
+        name: ds[name].transpose(*dims).values for name, dims in _DIMS.items()
+    }
+    arrays |= _bodies(ds) | _ways(ds) if ds.attrs["format"] > 2 else {}
     return FreeSpace(
         **arrays,
         bound=float(ds.attrs["bound"]),
@@ -167,6 +189,22 @@ def _from_dataset(ds: xr.Dataset) -> FreeSpace:
         reason=str(ds.attrs["reason"]),
         details=json.loads(ds.attrs["details"]),
     )
+
+
+def _bodies(ds: xr.Dataset) -> dict[str, Any]:
+    """Bodies of several sizes from one table of faces."""
+    tables = np.split(ds["body_faces"].values, np.cumsum(ds["body_sizes"].values)[:-1])
+    bodies = tuple(HalfSpaces(table[:, :3], table[:, 3]) for table in tables if len(table))
+    return {"bodies": bodies, "body_names": tuple(json.loads(ds.attrs["body_names"]))}
+
+
+def _ways(ds: xr.Dataset) -> dict[str, Any]:
+    found = (
+        Route(np.array(line), tuple(regions), length, tuple(bends))
+        for line, regions, length, bends in json.loads(ds.attrs["routes"])
+    )
+    level = (np.array(line) for line in json.loads(ds.attrs["level"]))
+    return {"routes": tuple(found), "level": tuple(level)}
 
 
 def _symmetric(C: np.ndarray) -> np.ndarray:

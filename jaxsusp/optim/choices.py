@@ -17,6 +17,9 @@ ALGORITHMS = {
     "sdbo": Row("sdbo"),
     "dbo-task": Row("dbo", (("frame", "task"),)),
     "sdbo-task": Row("sdbo", (("frame", "task"),)),
+    "cmaes": Row("cmaes"),
+    "jde": Row("jde"),
+    "routed": Row("routed"),
 }
 
 PUBLISHED = ("pso", "ga", "dbo", "sdbo")

@@ -97,10 +97,16 @@ def evaluation_sizes(optimizer: Optimizer, problem: Problem, population: int) ->
     """The portions in which an optimiser evaluates, found by tracing it with another fitness."""
     recorder = _Recorder(problem)
     key = jax.eval_shape(lambda: jax.random.key(0))
-    state = jax.eval_shape(lambda key: optimizer.init(key, recorder.problem, population, 1), key)
+    state = jax.eval_shape(
+        lambda key: optimizer.init(key, recorder.problem, population, _LONG), key
+    )
     initial, recorder.sizes = tuple(recorder.sizes), []
     jax.eval_shape(lambda key, state: optimizer.step(key, recorder.problem, state), key, state)
     return Portions(initial, tuple(recorder.sizes))
+
+
+_LONG = 1_000_000
+"""Iterations, of which the portions do not depend, but more than any optimiser asks for."""
 
 
 class _Recorder:
@@ -108,7 +114,9 @@ class _Recorder:
 
     def __init__(self, problem: Problem):
         self.sizes: list[int] = []
-        self.problem = Problem(Partial(self), problem.lower, problem.upper, problem.reference)
+        self.problem = Problem(
+            Partial(self), problem.lower, problem.upper, problem.reference, starts=problem.starts
+        )
         self.problem.fitness = self
         self.stability = getattr(problem.fitness, "stability", None)
 

@@ -43,12 +43,14 @@ def describe(name: str) -> str:
 
 
 def algorithms(chosen) -> list[Optimizer]:
-    """Several of them, with distinct names.
+    """Several of them, with distinct names; "all" means every one of the package.
 
     Raises:
         InputError: an unknown or repeated name, or none at all.
     """
-    found = [algorithm(choice) for choice in chosen]
+    if isinstance(chosen, str):
+        chosen = [chosen]
+    found = [algorithm(choice) for choice in (ALGORITHMS if [*chosen] == ["all"] else chosen)]
     names = [optimizer.name for optimizer in found]
     if not names:
         raise InputError("algorithms: none given; name at least one")

@@ -37,14 +37,14 @@ class Event(NamedTuple):
 
 def plan(
     scenario: Scenario | Named,
-    algorithm: str | Optimizer = "sdbo",
+    algorithm: str | Optimizer = "routed",
     ends: str = "given",
     runs: int = 4,
     iterations: int = 300,
     retries: int = 3,
     seed: int = 0,
     *,
-    population: int = 30,
+    population: int = 90,
     waypoints: int = 5,
     samples: int = 40,
     search: str = SEARCHES[0],

@@ -34,6 +34,9 @@ from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, rounded_counts
 
+LEAST_FOR_ENDS = 30
+"""Iterations of a search for ends at least; a third of those for the load if that is more."""
+
 Candidate = tuple[np.ndarray, np.ndarray | None]
 """Waypoints (dim,) or (waypoints, xyz) and the ends that go with them; None: the plain rule's."""
 
@@ -153,7 +156,7 @@ def plan_ends(
     placement = place_ends(
         with_margins(scenario, moving_ends=True), path, settings.optimizer,
         (settings.seed + first) % 2**32, settings.runs,
-        max(1, settings.iterations // 3), settings.population,
+        max(LEAST_FOR_ENDS, settings.iterations // 3), settings.population,
     )  # fmt: skip
     return Ends(placement.ends, placement.faults == 0)
 

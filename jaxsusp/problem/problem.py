@@ -21,7 +21,8 @@ from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.problem.fitness import FitnessTerms, fitness_terms, waypoint_stability
 from jaxsusp.problem.search import Regions, keep_inside, pad_regions, regions_of
-from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.problem.starts import Starts, starts_of
+from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
 from jaxsusp.vec3 import Vec3
@@ -113,6 +114,7 @@ class Problem:
             bounds.
         regions: convex regions in whose union every waypoint (x, y, z) of a candidate is kept;
             default only the bounds.
+        starts: candidates worth starting from, for optimisers that can use them.
 
     Raises:
         InputError: bounds of different shapes, not finite, or lower >= upper anywhere.
@@ -123,19 +125,22 @@ class Problem:
     upper: Array
     reference: Array
     regions: Regions | None
+    starts: Starts | None
 
-    def __init__(self, fitness: Callable, lower, upper, reference=None, regions=None):
+    def __init__(self, fitness: Callable, lower, upper, reference=None, regions=None, starts=None):
         lower, upper = _bounds(lower, upper)
         middle = lower + (upper - lower) / 2
         self.fitness = fitness if _is_pytree(fitness) else Partial(fitness)
         self.lower, self.upper = lower, upper
         self.reference = middle if reference is None else np.asarray(reference, lower.dtype)
-        self.regions = jax.tree.map(lambda leaf: np.asarray(leaf, lower.dtype), regions)
+        self.regions, self.starts = jax.tree.map(
+            lambda leaf: np.asarray(leaf, lower.dtype), (regions, starts)
+        )
 
     @classmethod
     def from_scenario(
         cls,
-        scenario: Scenario,
+        scenario: Scenario | Named,
         waypoints: int = 5,
         samples: int = 40,
         search: str = SEARCHES[0],
@@ -163,6 +168,7 @@ class Problem:
                 planning cannot handle (see `scenario.scope`), or no collision-free route
                 where the search is confined to the free space.
         """
+        scenario = load_scenario(scenario)
         require_count("waypoints", waypoints)
         require_count("samples", samples, least=3)  # fewer define no curvature
         require_known("search", search, SEARCHES)
@@ -177,7 +183,7 @@ class Problem:
             np.tile(np.asarray(scenario.workspace.lower, dtype), waypoints),
             np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
             line.reshape(-1),
-            None if search == "box" else _confine(scenario, search, space),
+            *(_confine(scenario, search, space, waypoints) if search != "box" else ()),
         )
 
     @property
@@ -216,18 +222,26 @@ class Problem:
 
     def repair(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop dim"]:
         """The admissible point that is evaluated and kept in place of x."""
-        inside = jnp.clip(x, self.low, self.high)
+        inside = self.clip(x)
         return inside if self.regions is None else _population_repair(self.regions, inside)
+
+    def clip(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop dim"]:
+        """The nearest point within the bounds, whatever the regions."""
+        return jnp.clip(x, self.low, self.high)
 
     def with_fitness(self, fitness: Callable[[Array], Array]) -> "Problem":
         """The same bounds, regions and reference with another fitness, a callable pytree."""
-        return _unflatten(None, (fitness, self.lower, self.upper, self.reference, self.regions))
+        return self._with(fitness=fitness)
 
     def with_padded_regions(self, count: int, rows: int) -> "Problem":
         """The same problem with so many regions of so many rows, some of which hold nothing."""
         assert self.regions is not None
         padded = pad_regions(self.regions, count, rows)
-        return _unflatten(None, (self.fitness, self.lower, self.upper, self.reference, padded))
+        return self._with(regions=padded)
+
+    def _with(self, **changed: Any) -> "Problem":
+        leaves = {name: getattr(self, name) for name in _LEAVES}
+        return _unflatten(None, (leaves | changed).values())
 
     def sample(self, key, count: int) -> Float[Array, "pop dim"]:
         """Uniform random candidates."""
@@ -235,19 +249,17 @@ class Problem:
         return self.repair(self.low + (self.high - self.low) * unit)
 
 
+_LEAVES = ("fitness", "lower", "upper", "reference", "regions", "starts")
+
+
 def _flatten(problem: Problem):
-    return (
-        problem.fitness,
-        problem.lower,
-        problem.upper,
-        problem.reference,
-        problem.regions,
-    ), None
+    return tuple(getattr(problem, name) for name in _LEAVES), None
 
 
 def _unflatten(_, children) -> Problem:
     problem = object.__new__(Problem)  # leaves may be tracers or placeholders: nothing to check
-    problem.fitness, problem.lower, problem.upper, problem.reference, problem.regions = children
+    for name, child in zip(_LEAVES, children, strict=True):
+        setattr(problem, name, child)
     return problem
 
 
@@ -266,15 +278,21 @@ def stack_problems(problems: Sequence[Problem]) -> Problem:
     return jax.tree.map(lambda *leaves: np.stack(leaves), *problems)
 
 
-def _confine(scenario: Scenario, search: str, space: FreeSpace | None) -> Regions | None:
-    """The regions of a search rule; refuses a free space without a way from start to goal."""
+def _confine(
+    scenario: Scenario, search: str, space: FreeSpace | None, waypoints: int
+) -> tuple[Regions | None, Starts]:
+    """The regions of a search rule, and starts on routes through them.
+
+    Raises:
+        InputError: start and goal are not connected.
+    """
     space = free_space(scenario) if space is None else space
     if not space.connected:
         raise InputError(
             f'{scenario.name}: search = "{search}": {space.reason}; move start, goal or '
             'obstacles, or search = "box"'
         )
-    return regions_of(space, search)
+    return regions_of(space, search), starts_of(space, waypoints)
 
 
 def _bounds(lower, upper) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,7 @@
 """The free space of a scenario in pictures and tables: the paper's Figs 5 and 6."""
 
+import re
+
 import numpy as np
 import pandas as pd
 from jaxtyping import Float
@@ -20,7 +22,7 @@ from jaxsusp.report.drawing.style import CYCLE, INK, heading, legend, panels, pi
 from jaxsusp.report.render import Column
 from jaxsusp.scenario.scenario import Scenario
 
-ROUTE, SHADOW, FREE = "#C43C00", "#E3B7A0", "#0072B2"
+ROUTE, SHADOW, FREE, WAY = "#C43C00", "#E3B7A0", "#0072B2", "#7A0177"
 
 Polygon = Float[np.ndarray, "corners 2"]
 
@@ -82,6 +84,8 @@ def view(scenario: Scenario, space: FreeSpace) -> Figure:
             solid = _solid(space.regions[index])
             color = CYCLE[number % len(CYCLE)]
             paint_solid(axes, eye, solid, color, alpha=0.16, zorder=3.2 + 0.01 * number)
+        for route in space.routes:
+            paint_curve(axes, eye, solids, route.polyline, zorder=4.9, color=WAY, linewidth=1.6)
         for curve in curves:
             paint_curve(axes, eye, solids, curve, zorder=5.0, color=ROUTE, linewidth=2.4)
             axes.plot(*eye.project(curve[1:-1]).T, "o", ms=4, color=ROUTE, zorder=6)
@@ -90,7 +94,8 @@ def view(scenario: Scenario, space: FreeSpace) -> Figure:
         Patch(fc=CYCLE[n % len(CYCLE)], alpha=0.35, label=f"region {index + 1}")
         for n, index in enumerate(space.route)
     ]
-    line = [Line2D([], [], color=ROUTE, lw=2.4, label="shortest polyline")] if curves else []
+    line = [Line2D([], [], color=ROUTE, lw=2.4, label="along the route")] if curves else []
+    line += [Line2D([], [], color=WAY, lw=1.6, label="distinct taut ways")] if space.routes else []
     legend(figure, [*cable_samples(), *line, *regions])
     return figure
 
@@ -117,6 +122,22 @@ def region_table(space: FreeSpace) -> pd.DataFrame:
     }
     frame.attrs["caption"] = _caption(space)
     return frame
+
+
+def ways(space: FreeSpace) -> list[str]:
+    """One line per distinct way from start to goal: its length, and what it goes round."""
+    return [
+        f"way {number}: {route.length:.3f} m, {_words(route.bends)}"
+        for number, route in enumerate(space.routes, start=1)
+    ]
+
+
+def _words(bends: tuple[str, ...]) -> str:
+    """What a way goes round, by the names of the obstacles."""
+    return (
+        "; ".join(re.sub(r'obstacles\[\d+\] "([^"]*)"', r"\1", each) for each in bends)
+        or "round nothing"
+    )
 
 
 def _caption(space: FreeSpace) -> str:

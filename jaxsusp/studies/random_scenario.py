@@ -79,7 +79,7 @@ def solvable(scenario: Scenario) -> bool:
     in samples so fine that the collision count is hardly more cautious than need be.
     """
     try:
-        space = free_space(scenario, coverage=0.1, cache=False)
+        space = free_space(scenario, coverage=0.1, routes=False, cache=False)
     except InputError:  # an end of a cable stands in a warning area
         return False
     if not space.connected:
