@@ -99,7 +99,12 @@ class RegionGraph:
         return _without_detours([min(one & two) for one, two in steps])
 
     def shortest_polyline(
-        self, route: Sequence[int], start: Point, goal: Point, solver: str = SOLVER
+        self,
+        route: Sequence[int],
+        start: Point,
+        goal: Point,
+        solver: str = SOLVER,
+        bounded: bool = True,
     ) -> tuple[Points, float]:
         """The shortest polyline through a sequence of regions, one point per crossing.
 
@@ -108,7 +113,8 @@ class RegionGraph:
 
         Returns:
             The polyline (m) with start and goal, and a lower bound (m) that holds for every
-            polyline through this sequence of regions, whatever the solver's tolerance.
+            polyline through this sequence of regions, whatever the solver's tolerance; 0 if it is
+            not asked for (`bounded`).
         """
         crossings = [self.crossing(i, j) for i, j in pairwise(route)]
         if not crossings:
@@ -128,8 +134,11 @@ class RegionGraph:
         ]
         assert all(point is not None for point in exact)
         assert steps.dual_value is not None
+        line = np.array([start, *exact, goal])
+        if not bounded:
+            return line, 0.0
         pulls = -np.asarray(steps.dual_value[1]).T
-        return np.array([start, *exact, goal]), _least_length(crossings, pulls, start, goal)
+        return line, _least_length(crossings, pulls, start, goal)
 
     def crossing(self, i: int, j: int) -> HalfSpaces:
         """What two regions share."""

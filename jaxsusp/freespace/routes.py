@@ -80,6 +80,7 @@ class WaySearch:
             self._members[row, [*regions]] = True
         middles = [_middle(graph, i, j) for i, j in crossings]
         self.places = np.array([start, goal, *middles])
+        self._known: dict[tuple[int, ...], Points] = {}
 
     def routes(self) -> Iterator[Route]:
         """Distinct taut ways by length."""
@@ -179,9 +180,14 @@ class WaySearch:
         return line
 
     def _shortest(self, sequence: list[int]) -> Points:
-        line = self.graph.shortest_polyline(sequence, self.start, self.goal)[0]
-        moves = np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-9
-        return self._pulled(line[np.append(True, moves)])
+        """The shortest polyline through a sequence of regions, corners cut."""
+        key = tuple(sequence)
+        if key not in self._known:
+            task = self.start, self.goal
+            line = self.graph.shortest_polyline(sequence, *task, bounded=False)[0]
+            moves = np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-9
+            self._known[key] = self._pulled(line[np.append(True, moves)])
+        return self._known[key]
 
     def _with_one_more(self, sequence: list[int], line: Points) -> Iterator[list[int]]:
         """The sequence with a region between two that hold a corner, and that holds it too."""

@@ -66,7 +66,7 @@ def map_space(searched: Scenario, settings: Settings) -> FreeSpace | None:
         return None
     settings.told("mapping the free space")
     with suppress(InputError):  # with its margin, a warning area can reach the end of a cable
-        space = free_space(searched)
+        space = free_space(searched, routes=settings.optimizer.from_starts)
         return space if space.connected else None
     return None
 

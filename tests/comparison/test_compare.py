@@ -287,7 +287,7 @@ def test_names_that_cannot_label_results_are_refused(name):
 def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed(tmp_path, fake):
     (tmp_path / "file").write_text("in the way")
     for output in (tmp_path / "file", tmp_path / "file" / "folder"):
-        with pytest.raises(js.InputError, match=r"cannot be written .* choose another folder"):
+        with pytest.raises(js.InputError, match=r"is a file, not a folder; choose another folder"):
             js.compare("scenario-1", "pso", **SMALL, output=output)
     assert not fake
 

@@ -74,7 +74,7 @@ def routed(**coefficients: float) -> Optimizer:
         The optimiser named "routed".
     """
     chosen = RoutedCoefficients(**coefficients)
-    return Optimizer("routed", Partial(_init, chosen), Partial(_step, chosen))
+    return Optimizer("routed", Partial(_init, chosen), Partial(_step, chosen), from_starts=True)
 
 
 def _init(c: RoutedCoefficients, key, problem: Problem, population: int, iterations: int):
