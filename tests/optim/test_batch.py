@@ -30,8 +30,7 @@ def test_a_run_does_not_depend_on_what_shares_the_batch(scenarios, name):
     """Fewer runs, another order, one device instead of two, one scenario instead of two."""
     optimizer = algorithm(name)
     both = run_batch(stacked([scenarios[0], scenarios[2]]), optimizer, 0, range(4), **SIZES)
-    # Two lanes are another program than four; one of them is enough to compile for this.
-    fewer = [3, 0] if name == "pso" else [3, 0, 1]
+    fewer = [3, 0] if name == "pso" else [3, 0, 1]  # two lanes are another program than four
     few = run_batch(stacked([scenarios[0], scenarios[2]]), optimizer, 0, fewer, **SIZES)
     alone = run_batch(stacked([scenarios[2]]), optimizer, 0, [3], **SIZES)
     np.testing.assert_allclose(few.history, both.history[:, fewer], rtol=TOLERANCE)
