@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import cvxpy as cp
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Int
 from scipy.optimize import linprog
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
@@ -191,8 +191,3 @@ def _pairs(items: list[int]) -> list[tuple[int, int]]:
 def _without_detours(route: list[int]) -> list[int]:
     """The route with every region once in a row."""
     return [region for at, region in enumerate(route) if at == 0 or region != route[at - 1]]
-
-
-def polyline_length(points: Float[np.ndarray, "points 3"]) -> float:
-    """Length (m)."""
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())

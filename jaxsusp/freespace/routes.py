@@ -70,10 +70,11 @@ class WaySearch:
         start: Point, goal: Point,
     ):  # fmt: skip
         self.graph, self.start, self.goal = graph, start, goal
+        self._adjacency = graph.adjacency
         self.names, self.bodies = names, bodies
         self.solid = Polyhedra(bodies, -GRAZE)
         self.free = Polyhedra([region.polytope for region in graph.regions], 1e-9)
-        crossings = np.argwhere(np.triu(graph.adjacency)).tolist()
+        crossings = np.argwhere(np.triu(self._adjacency)).tolist()
         members = [{*graph.holding(start)}, {*graph.holding(goal)}, *map(set, crossings)]
         self._members = np.zeros((len(members), len(graph.regions)), bool)
         for row, regions in enumerate(members):
@@ -98,12 +99,11 @@ class WaySearch:
         """All sequences of regions, each once, from start to goal; None where they are many."""
         goals, found = {*self.graph.holding(self.goal)}, []
         growing = [[first] for first in self.graph.holding(self.start)]
-        adjacency = self.graph.adjacency
         while growing:
             sequence = growing.pop()
             if sequence[-1] in goals:
                 found.append(sequence)
-            onward = {*np.flatnonzero(adjacency[sequence[-1]]).tolist()} - {*sequence}
+            onward = {*np.flatnonzero(self._adjacency[sequence[-1]]).tolist()} - {*sequence}
             growing += [[*sequence, region] for region in onward]
             if len(found) + len(growing) > FEW:
                 return None
@@ -160,7 +160,7 @@ class WaySearch:
     def joined(self, route: Route) -> list[int]:
         """The regions of a route, if each shares room with the next; else none."""
         pairs = pairwise(route.regions)
-        return [*route.regions] if all(self.graph.adjacency[i, j] for i, j in pairs) else []
+        return [*route.regions] if all(self._adjacency[i, j] for i, j in pairs) else []
 
     def _taut(self, line: Points) -> Points:
         """The shortest polyline through its regions, corners cut, until it shrinks no more.
@@ -168,7 +168,7 @@ class WaySearch:
         At a corner, going through a further region that holds it can shorten the way.
         """
         sequence = self._sequence(line)
-        if not all(self.graph.adjacency[i, j] for i, j in pairwise(sequence)):
+        if not all(self._adjacency[i, j] for i, j in pairwise(sequence)):
             return line  # regions that touch without sharing room
         for _ in range(_PULLS):
             shorter = self._shortest(sequence)
@@ -196,7 +196,7 @@ class WaySearch:
             for at, (one, two) in enumerate(pairwise(sequence)):
                 if {one, two} <= holding:
                     for more in holding - {*sequence}:
-                        if self.graph.adjacency[one, more] and self.graph.adjacency[more, two]:
+                        if self._adjacency[one, more] and self._adjacency[more, two]:
                             yield [*sequence[: at + 1], more, *sequence[at + 1 :]]
 
     def _bend(self, line: Points, at: int) -> str:

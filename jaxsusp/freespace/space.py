@@ -14,9 +14,10 @@ from jaxtyping import Bool, Float, Int
 from jaxsusp._files import write_netcdf
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.ellipsoid import Ellipsoid
-from jaxsusp.freespace.graph import center, polyline_length
+from jaxsusp.freespace.graph import center
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces, Points, volume
+from jaxsusp.freespace.polylines import length
 
 FORMAT = 3
 """Version of the file's layout and of what builds it: a cache keeps nothing of another one."""
@@ -82,7 +83,7 @@ class FreeSpace:
     @property
     def length(self) -> float:
         """Length of the polyline (m); infinite without one."""
-        return polyline_length(self.polyline) if self.connected else np.inf
+        return length(self.polyline) if self.connected else np.inf
 
     @property
     def centerline(self) -> Float[np.ndarray, "points 3"]:

@@ -5,9 +5,10 @@ import pytest
 from scipy.optimize import minimize
 
 from jaxsusp.freespace.ellipsoid import largest_ellipsoid
-from jaxsusp.freespace.graph import RegionGraph, polyline_length
+from jaxsusp.freespace.graph import RegionGraph
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces
+from jaxsusp.freespace.polylines import length
 
 
 def graph(*boxes) -> RegionGraph:
@@ -31,7 +32,7 @@ def test_round_a_corner():
     assert route == [0, 1]
     polyline, bound = CORNER.shortest_polyline(route, start, goal)
     expected = np.hypot(0.5, 3) + np.hypot(3, 0.5)
-    assert polyline_length(polyline) == pytest.approx(expected, rel=1e-6)
+    assert length(polyline) == pytest.approx(expected, rel=1e-6)
     assert bound == pytest.approx(expected, rel=1e-6)
     np.testing.assert_allclose(polyline[1], [1, 3, 0.5], atol=1e-3)
 
@@ -76,16 +77,16 @@ def test_shortest_polyline_is_that_of_another_solver():
         low = np.concatenate([np.maximum(boxes[i][0], boxes[i + 1][0]) for i in range(3)])
         high = np.concatenate([np.minimum(boxes[i][1], boxes[i + 1][1]) for i in range(3)])
 
-        def length(x, start=start, goal=goal):
-            return polyline_length(np.array([start, *x.reshape(-1, 3), goal]))
+        def total(x, start=start, goal=goal):
+            return length(np.array([start, *x.reshape(-1, 3), goal]))
 
         other = minimize(
-            length,
+            total,
             (low + high) / 2,
             bounds=list(zip(low, high, strict=True)),
             method="trust-constr",
         )
-        assert polyline_length(polyline) == pytest.approx(other.fun, rel=1e-4)
+        assert length(polyline) == pytest.approx(other.fun, rel=1e-4)
         assert bound <= other.fun * (1 + 1e-6)
 
 

@@ -14,9 +14,9 @@ from test_bodies import contacts, count
 import jaxsusp as js
 from jaxsusp.freespace import build
 from jaxsusp.freespace.bodies import bodies_of
-from jaxsusp.freespace.graph import polyline_length
 from jaxsusp.freespace.iris import Bodies, proved_apart
 from jaxsusp.freespace.polyhedra import HalfSpaces
+from jaxsusp.freespace.polylines import length
 from jaxsusp.scenario.models import Box
 from jaxsusp.scenario.world import build_world, obstacle_counts
 from jaxsusp.vec3 import Vec3
@@ -79,7 +79,7 @@ def test_start_and_goal_are_connected_and_enough_is_covered(scenarios, spaces, n
     straight = np.linalg.norm(np.subtract(*ends))
     assert straight < space.bound <= space.length
     assert space.length == pytest.approx(space.bound, rel=1e-6)
-    assert space.length <= polyline_length(space.centerline)
+    assert space.length <= length(space.centerline)
 
 
 class Sweep(NamedTuple):

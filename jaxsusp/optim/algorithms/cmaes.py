@@ -5,6 +5,9 @@ and negative weights. Variables are measured in shares of their ranges. Above `S
 the covariance is diagonal (Ros & Hansen 2008): a full one takes D² numbers and as many generations
 to be learned.
 
+The square root of the covariance is its Cholesky factor rather than the symmetric one (Krause,
+Arbonès & Igel 2016): LAPACK's eigenvectors, called matrix by matrix, cost more than the search.
+
 A candidate is repaired before it is evaluated, and the distribution learns from the repaired
 point: otherwise it would drift to where every candidate is repaired to the same place.
 """
@@ -88,11 +91,12 @@ def _init(coefficients, key, problem: Problem, population: int, iterations, diag
     """The best of a uniform population is the first mean."""
     require_count("population of cmaes", population, least=LEAST)
     x = problem.sample(key, population)
-    best = best_of(x, problem.evaluate(x))
+    fitness = problem.evaluate(x)
+    best = best_of(x, fitness)
     diagonal = problem.dim > SEPARABLE if diagonal is None else diagonal
     mean = to_unit(problem, best.x[None])[0]
     first = gaussian(mean, jnp.full_like(mean, coefficients.step), diagonal)
-    return CmaState(first, jnp.zeros(population), best, Clock.start(iterations))
+    return CmaState(first, fitness, best, Clock.start(iterations))
 
 
 def _init_diagonal(*arguments) -> CmaState:
@@ -139,7 +143,7 @@ def gaussian(mean: Float[Array, "dim"], spread: Float[Array, "dim"], diagonal: b
 
 
 def draw(key: Key[Array, ""], g: Gaussian, count: int) -> Float[Array, "pop dim"]:
-    """Candidates m + σ y with y = B D z ~ N(0, C) (Eq. 38-40)."""
+    """Candidates m + σ y with y = A z ~ N(0, C), A Aᵀ = C (Eq. 38-40)."""
     z = jax.random.normal(key, (count, g.mean.shape[-1]), g.mean.dtype)
     return g.mean[None] + g.sigma * _root(g.covariance).colour(z)
 

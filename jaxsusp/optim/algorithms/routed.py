@@ -9,7 +9,7 @@ before ended with (successive halving: Karnin, Koren & Somekh 2013): what cannot
 budget to what can.
 
 Candidates are kept within the bounds alone. Regions leave out slivers beside the obstacles, which
-is where the best ways go; islands begin clear, and contacts cost what they cost.
+is where the best ways go; islands begin on clear ways, and contacts cost what they cost.
 """
 
 from typing import NamedTuple
@@ -46,7 +46,7 @@ LEAST = 4
 
 
 class RoutedCoefficients(NamedTuple):
-    """First step sizes."""
+    """First step sizes, and whether islands are raced."""
 
     step: float = 0.1  # about a given start, in shares of its spread
     wide: float = 0.3  # about a random start, in shares of the range
