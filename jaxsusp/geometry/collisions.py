@@ -1,10 +1,13 @@
-"""Exact-in-motion collision counts of payload and cables along a polyline.
+"""Exact-in-motion contacts of payload and cables along a polyline.
 
 A count of zero proves that the payload and every cable stay clear of the warning area at *every
-instant* of the polyline, not only at its samples. The counts accumulate elementwise per segment
+instant* of the polyline, not only at its samples. Contacts accumulate elementwise per segment
 and are summed once at the end: a reduction inside the loop would keep XLA from vectorising it.
 """
 
+import functools
+import operator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import jax
@@ -13,12 +16,8 @@ import jax.numpy as jnp
 from jaxsusp._types import Array, Float, Int
 from jaxsusp.geometry.cables import attachment
 from jaxsusp.geometry.obstacles import KINDS, Boxes, Cylinders, Obstacles, Spheres
-from jaxsusp.geometry.segments import (
-    segment_meets_box,
-    segment_meets_cylinder,
-    segment_meets_sphere,
-)
-from jaxsusp.vec3 import Vec3, component, cross, dot
+from jaxsusp.geometry.segments import MEETS, SweptTests
+from jaxsusp.vec3 import Vec3, component, cross, norm, safe_sqrt
 
 SINGLE_PRECISION_MARGIN = 1e-4
 """m; added to every inflation when the arithmetic is float32, so that what a search finds clear
@@ -54,7 +53,11 @@ class Motion(NamedTuple):
     @classmethod
     def of(cls, position: Vec3) -> "Motion":
         """Segments between consecutive samples along axis 0."""
-        start, stop = position.each(lambda c: c[:-1]), position.each(lambda c: c[1:])
+        return cls.between(position.each(lambda c: c[:-1]), position.each(lambda c: c[1:]))
+
+    @classmethod
+    def between(cls, start: Vec3, stop: Vec3) -> "Motion":
+        """Segments from there to there."""
         step = stop - start
         plane = step.x**2 + step.y**2
         return cls(
@@ -62,8 +65,8 @@ class Motion(NamedTuple):
             stop,
             0.5 * (start + stop),
             step,
-            0.5 * jnp.sqrt(plane + step.z**2),
-            0.5 * jnp.sqrt(plane),
+            0.5 * safe_sqrt(plane + step.z**2),
+            0.5 * safe_sqrt(plane),
         )
 
 
@@ -79,12 +82,24 @@ def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> In
         The count per trajectory; 0 means clear at every instant of the polyline.
     """
     motion = Motion.of(position)
-    margin = SINGLE_PRECISION_MARGIN if position.x.dtype == jnp.float32 else 0.0
-    bodies = bodies._replace(clearance=bodies.clearance + margin)
+    bodies = with_margin(bodies, position.x.dtype)
+    cables = tuple(_each_cable(bodies))
     hits = jnp.zeros(motion.step.x.shape, jnp.int32)
     for kind in KINDS:
-        hits = _accumulate(_CONTACTS[kind], getattr(obstacles, kind), motion, bodies, hits)
+
+        def add(hits, obstacle, held_against=HELD_AGAINST[kind]):
+            found = held_against(obstacle, motion, bodies, cables, MEETS)
+            met = functools.reduce(operator.add, [each.astype(jnp.int32) for each in found])
+            return hits + jnp.where(obstacle.active, met, 0), None
+
+        hits = jax.lax.scan(add, hits, getattr(obstacles, kind))[0]
     return hits.sum(axis=0)
+
+
+def with_margin(bodies: Bodies, dtype) -> Bodies:
+    """Bodies with the clearance that rounding asks for in that dtype."""
+    margin = SINGLE_PRECISION_MARGIN if dtype == jnp.float32 else 0.0
+    return bodies._replace(clearance=bodies.clearance + margin)
 
 
 def count_between(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, "*batch"]:
@@ -111,98 +126,15 @@ def _cut(values: Array) -> Array:
     return jnp.concatenate([cut.reshape(-1, *values.shape[1:]), values[-1:]])
 
 
-def _accumulate(contacts, kind, motion: Motion, bodies: Bodies, hits: Array) -> Array:
-    """Add the contacts with every obstacle of one kind."""
-
-    def add(total, obstacle):
-        return total + jnp.where(obstacle.active, contacts(obstacle, motion, bodies), 0), None
-
-    return jax.lax.scan(add, hits, kind)[0]
-
-
-def _with_box(box: Boxes, motion: Motion, bodies: Bodies) -> Array:
-    wide = bodies.radius + bodies.clearance
-    payload = box.half + Vec3(wide, wide, bodies.half_height + bodies.clearance)
-    start, stop = box.to_own_frame(motion.start), box.to_own_frame(motion.stop)
-    total = segment_meets_box(start, stop, payload).astype(jnp.int32)
-
-    thin = bodies.cable_radius + bodies.clearance
-    half = box.half + Vec3(thin, thin, thin)
-    middle, step = 0.5 * (start + stop), stop - start
-    for cable in _cables(bodies):
-        hook, end_own = middle + box.turn(cable.attachment), box.to_own_frame(cable.end)
-        end_step = box.turn(cable.step) if cable.step else None
-        met = segment_meets_box(hook, end_own, half + 0.5 * _larger(step, end_step))
-        if end_step is None:  # the swept cable lies in one plane
-            normal = cross(step, end_own - hook)
-            met &= jnp.abs(dot(normal, end_own)) <= dot(normal.abs(), half)
-        total += met.astype(jnp.int32)
-    return total
-
-
-def _with_cylinder(cylinder: Cylinders, motion: Motion, bodies: Bodies) -> Array:
-    start, stop = motion.start - cylinder.center, motion.stop - cylinder.center
-    total = segment_meets_cylinder(
-        start,
-        stop,
-        cylinder.radius + bodies.radius + bodies.clearance,
-        cylinder.half_height + bodies.half_height + bodies.clearance,
-    ).astype(jnp.int32)
-
-    thin = bodies.cable_radius + bodies.clearance
-    radius, half_height = cylinder.radius + thin, cylinder.half_height + thin
-    middle, step = motion.middle - cylinder.center, motion.step
-    for cable in _cables(bodies):
-        hook, end_own = middle + cable.attachment, cable.end - cylinder.center
-        swept_radius, swept_height = radius + motion.half_step_xy, half_height
-        swept_height += 0.5 * _larger(step, cable.step).z
-        if cable.step:
-            swept_radius = radius + jnp.maximum(motion.half_step_xy, 0.5 * _level(cable.step))
-        met = segment_meets_cylinder(hook, end_own, swept_radius, swept_height)
-        if cable.step is None:
-            normal = cross(step, end_own - hook)
-            beyond_caps = jnp.abs(dot(normal, end_own)) - jnp.abs(normal.z) * half_height
-            beside = beyond_caps**2 <= (normal.x**2 + normal.y**2) * radius**2
-            met &= (beyond_caps <= 0) | beside
-        total += met.astype(jnp.int32)
-    return total
-
-
-def _with_sphere(sphere: Spheres, motion: Motion, bodies: Bodies) -> Array:
-    wide = sphere.radius + bodies.clearance
-    start, stop = motion.start - sphere.center, motion.stop - sphere.center
-    # The payload meets a sphere conservatively: its inflation is a vertical cylinder.
-    total = segment_meets_cylinder(
-        start, stop, wide + bodies.radius, wide + bodies.half_height
-    ).astype(jnp.int32)
-
-    radius = wide + bodies.cable_radius
-    middle, step = motion.middle - sphere.center, motion.step
-    for cable in _cables(bodies):
-        hook, end_own = middle + cable.attachment, cable.end - sphere.center
-        half_step = motion.half_step
-        if cable.step:
-            half_step = jnp.maximum(half_step, 0.5 * jnp.sqrt(dot(cable.step, cable.step)))
-        met = segment_meets_sphere(hook, end_own, radius + half_step)
-        if cable.step is None:
-            normal = cross(step, end_own - hook)
-            met &= dot(normal, end_own) ** 2 <= dot(normal, normal) * radius**2
-        total += met.astype(jnp.int32)
-    return total
-
-
-_CONTACTS = {"boxes": _with_box, "cylinders": _with_cylinder, "spheres": _with_sphere}
-
-
-class _Cable(NamedTuple):
-    """One cable during every segment: where its upper end is in the middle, and how it moves."""
+class SweptCable(NamedTuple):
+    """A cable during every segment: where its upper end is in the middle, and how it moves."""
 
     attachment: Vec3
     end: Vec3
     step: Vec3 | None  # None: the end stays
 
 
-def _cables(bodies: Bodies):
+def _each_cable(bodies: Bodies) -> Iterator[SweptCable]:
     """Every cable; a common hook serves them all."""
     for k in range(bodies.ends.x.shape[0]):
         end = component(bodies.ends, k)
@@ -210,7 +142,85 @@ def _cables(bodies: Bodies):
         if end.x.ndim > 0:
             before, after = end.each(lambda c: c[:-1]), end.each(lambda c: c[1:])
             end, step = 0.5 * (before + after), after - before
-        yield _Cable(attachment(bodies.attachments, k), end, step)
+        yield SweptCable(attachment(bodies.attachments, k), end, step)
+
+
+def _with_box(
+    box: Boxes, motion: Motion, bodies: Bodies, cables: Sequence[SweptCable], tests: SweptTests
+) -> Iterator[Array]:
+    wide = bodies.radius + bodies.clearance
+    payload = box.half + Vec3(wide, wide, bodies.half_height + bodies.clearance)
+    start, stop = box.to_own_frame(motion.start), box.to_own_frame(motion.stop)
+    yield tests.box(start, stop, payload)
+
+    thin = bodies.cable_radius + bodies.clearance
+    half = box.half + Vec3(thin, thin, thin)
+    middle, step = 0.5 * (start + stop), stop - start
+    for cable in cables:
+        hook, end_own = middle + box.turn(cable.attachment), box.to_own_frame(cable.end)
+        end_step = box.turn(cable.step) if cable.step else None
+        met = tests.box(hook, end_own, half + 0.5 * _larger(step, end_step))
+        if end_step is None:  # the swept cable lies in one plane
+            normal = cross(step, end_own - hook)
+            met = tests.both(met, tests.plane_box(normal, end_own, half))
+        yield met
+
+
+def _with_cylinder(
+    cylinder: Cylinders,
+    motion: Motion,
+    bodies: Bodies,
+    cables: Sequence[SweptCable],
+    tests: SweptTests,
+) -> Iterator[Array]:
+    start, stop = motion.start - cylinder.center, motion.stop - cylinder.center
+    yield tests.cylinder(
+        start,
+        stop,
+        cylinder.radius + bodies.radius + bodies.clearance,
+        cylinder.half_height + bodies.half_height + bodies.clearance,
+    )
+
+    thin = bodies.cable_radius + bodies.clearance
+    radius, half_height = cylinder.radius + thin, cylinder.half_height + thin
+    middle, step = motion.middle - cylinder.center, motion.step
+    for cable in cables:
+        hook, end_own = middle + cable.attachment, cable.end - cylinder.center
+        swept_radius, swept_height = radius + motion.half_step_xy, half_height
+        swept_height += 0.5 * _larger(step, cable.step).z
+        if cable.step:
+            swept_radius = radius + jnp.maximum(motion.half_step_xy, 0.5 * _level(cable.step))
+        met = tests.cylinder(hook, end_own, swept_radius, swept_height)
+        if cable.step is None:
+            normal = cross(step, end_own - hook)
+            met = tests.both(met, tests.plane_cylinder(normal, end_own, radius, half_height))
+        yield met
+
+
+def _with_sphere(
+    sphere: Spheres, motion: Motion, bodies: Bodies, cables: Sequence[SweptCable], tests: SweptTests
+) -> Iterator[Array]:
+    wide = sphere.radius + bodies.clearance
+    start, stop = motion.start - sphere.center, motion.stop - sphere.center
+    # The payload meets a sphere conservatively: its inflation is a vertical cylinder.
+    yield tests.cylinder(start, stop, wide + bodies.radius, wide + bodies.half_height)
+
+    radius = wide + bodies.cable_radius
+    middle, step = motion.middle - sphere.center, motion.step
+    for cable in cables:
+        hook, end_own = middle + cable.attachment, cable.end - sphere.center
+        half_step = motion.half_step
+        if cable.step:
+            half_step = jnp.maximum(half_step, 0.5 * norm(cable.step))
+        met = tests.sphere(hook, end_own, radius + half_step)
+        if cable.step is None:
+            normal = cross(step, end_own - hook)
+            met = tests.both(met, tests.plane_sphere(normal, end_own, radius))
+        yield met
+
+
+HELD_AGAINST = {"boxes": _with_box, "cylinders": _with_cylinder, "spheres": _with_sphere}
+"""How the load and every cable are held against an obstacle, by its kind."""
 
 
 def _larger(step: Vec3, end_step: Vec3 | None) -> Vec3:
@@ -221,4 +231,4 @@ def _larger(step: Vec3, end_step: Vec3 | None) -> Vec3:
 
 
 def _level(step: Vec3) -> Array:
-    return jnp.sqrt(step.x**2 + step.y**2)
+    return safe_sqrt(step.x**2 + step.y**2)

@@ -1,8 +1,11 @@
-"""Does a straight segment meet a convex body?  Closed forms, elementwise over any shape.
+"""Does a straight segment, or a plane, meet a convex body?  Closed forms, elementwise.
 
 Each test is exact for a closed body: touching counts. A NaN coordinate never separates, so it is
 reported as a hit by the box test; the fitness catches NaN by other means and never relies on this.
 """
+
+from collections.abc import Callable
+from typing import NamedTuple
 
 import jax.numpy as jnp
 
@@ -57,6 +60,46 @@ def segment_meets_sphere(a: Vec3, b: Vec3, radius) -> Bool[Array, "..."]:
     t = jnp.clip(-dot(a, along) / jnp.where(square == 0, _TINY, square), 0, 1)
     closest = a + t * along
     return dot(closest, closest) <= radius**2
+
+
+def plane_meets_box(normal: Vec3, point: Vec3, half: Vec3) -> Bool[Array, "..."]:
+    """The plane through a point against the box about the origin; a zero normal meets anything."""
+    return jnp.abs(dot(normal, point)) <= dot(normal.abs(), half)
+
+
+def plane_meets_cylinder(normal: Vec3, point: Vec3, radius, half_height) -> Bool[Array, "..."]:
+    """The plane through a point against the vertical cylinder about the origin."""
+    beyond_caps = jnp.abs(dot(normal, point)) - jnp.abs(normal.z) * half_height
+    beside = beyond_caps**2 <= (normal.x**2 + normal.y**2) * radius**2
+    return (beyond_caps <= 0) | beside
+
+
+def plane_meets_sphere(normal: Vec3, point: Vec3, radius) -> Bool[Array, "..."]:
+    """The plane through a point against the sphere about the origin."""
+    return dot(normal, point) ** 2 <= dot(normal, normal) * radius**2
+
+
+class SweptTests(NamedTuple):
+    """How segments and planes are held against bodies: whether they meet, or how deep."""
+
+    box: Callable[..., Array]
+    cylinder: Callable[..., Array]
+    sphere: Callable[..., Array]
+    plane_box: Callable[..., Array]
+    plane_cylinder: Callable[..., Array]
+    plane_sphere: Callable[..., Array]
+    both: Callable[[Array, Array], Array]
+
+
+MEETS = SweptTests(
+    segment_meets_box,
+    segment_meets_cylinder,
+    segment_meets_sphere,
+    plane_meets_box,
+    plane_meets_cylinder,
+    plane_meets_sphere,
+    jnp.logical_and,
+)
 
 
 def segment_distance(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Float[Array, "..."]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
-from jaxsusp.geometry.collisions import count_between, count_collisions
+from jaxsusp.geometry.collisions import Bodies, count_between, count_collisions
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.problem.constraints import count_turned, count_violations
 from jaxsusp.scenario.world import World
@@ -90,33 +90,61 @@ def fitness_terms(
         ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
             contacts are then counted by `count_between`.
     """
-    position = trajectory(world, x, samples)
+    path = sampled_path(world, x, samples, drive, ends)
+    position, _, lengths, tensions = path
     count = count_collisions if ends is None else count_between
-    ends = ends_at(world, position, drive) if ends is None else ends
-    lengths, tensions = tensions_at(world, position, ends)
-    avoiding = ends if with_cables else ends.each(lambda c: c[:0])
-    bodies = world.bodies._replace(ends=avoiding)
-    collisions = count(position, bodies, world.obstacles)
-    violations = count_violations(world, position, lengths, tensions, with_stability, ends)
+    collisions = count(position, path.avoiding(world, with_cables), world.obstacles)
+    violations = count_violations(world, position, lengths, tensions, with_stability, path.ends)
     if moving(drive):
         if with_cables:
-            bases = bases_at(world, ends, drive)
-            violations += count_misplaced(world, ends, drive)
-            violations += count_arm_contacts(world, position, ends, bases)
+            bases = bases_at(world, path.ends, drive)
+            violations += count_misplaced(world, path.ends, drive)
+            violations += count_arm_contacts(world, position, path.ends, bases)
     elif world.bodies.attachments.x.shape[0] > 1:
         violations += count_turned(world, turn_at(world, position, tensions))
-    step = position.each(_difference)
-    interval = world.duration / (samples - 1)
-    terms = (
-        norm(step).sum(axis=0),
-        jnp.abs(position.z - world.start.z).sum(axis=0),
-        _add([length.max(axis=0) for length in lengths]),
-        tension_length_rate(lengths, tensions, interval),
-        _total_curvature(step),
-        world.kappa * (collisions + violations).astype(x.dtype),
-    )
-    total = _add([world.weights[i] * term for i, term in enumerate(terms)])
-    return FitnessTerms(*terms, collisions, violations, total)
+    penalty = world.kappa * (collisions + violations).astype(x.dtype)
+    terms = (*path.smooth_terms(world), penalty)
+    return FitnessTerms(*terms, collisions, violations, weighted(world, terms))
+
+
+class SampledPath(NamedTuple):
+    """A trajectory at its samples (axis 0; trailing axes are batch), and what holds the load."""
+
+    position: Vec3  # of the load's centre, m
+    ends: Vec3  # P_k, (K,) or (K, samples, …), m
+    lengths: list[Array]  # l_k, m
+    tensions: list[Array]  # T_k, N
+
+    def avoiding(self, world: World, with_cables: bool = True) -> Bodies:
+        """What must stay clear: the load with its cables, or alone."""
+        ends = self.ends if with_cables else self.ends.each(lambda c: c[:0])
+        return world.bodies._replace(ends=ends)
+
+    def smooth_terms(self, world: World) -> tuple[Array, ...]:
+        """f1 … f5 of Eq. 21, unweighted."""
+        step = self.position.each(_difference)
+        interval = world.duration / (self.position.x.shape[0] - 1)
+        return (
+            norm(step).sum(axis=0),
+            jnp.abs(self.position.z - world.start.z).sum(axis=0),
+            _add([length.max(axis=0) for length in self.lengths]),
+            tension_length_rate(self.lengths, self.tensions, interval),
+            _total_curvature(step),
+        )
+
+
+def sampled_path(
+    world: World, x: Float[Array, "dim *batch"], samples: int, drive: str, ends: Vec3 | None = None
+) -> SampledPath:
+    """The trajectory through the waypoints of x, with ends, lengths and tensions along it."""
+    position = trajectory(world, x, samples)
+    ends = ends_at(world, position, drive) if ends is None else ends
+    return SampledPath(position, ends, *tensions_at(world, position, ends))
+
+
+def weighted(world: World, terms: Sequence[Array]) -> Array:
+    """Σ w_i f_i."""
+    return _add([world.weights[i] * term for i, term in enumerate(terms)])
 
 
 def tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -> Array:

@@ -40,14 +40,20 @@ class Gentle:
 
     def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
         """Total of many decision vectors."""
+        return self.suspension.population(x) + self._cost(x)
+
+    def twin(self, x: Float[Array, "pop dim"], band) -> Float[Array, "pop"]:
+        """As `population`, with depths in place of counts."""
+        return self.suspension.twin(x, band) + self._cost(x)
+
+    def _cost(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
         world = cast_world(self.suspension.world, x.dtype)
         position = trajectory(world, x.T, self.suspension.samples)
         ends = ends_at(world, position, self.suspension.drive)
         tensions = jnp.stack(tensions_at(world, position, ends)[1]).min(axis=0)[1:-1]
         free = jnp.clip(self.slack_share * tensions / world.mass, 0.1 * self.turn, self.turn)
         excess = turning(position, world.duration) / free - 1
-        cost = self.price * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
-        return self.suspension.population(x) + cost
+        return self.price * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """Total of one decision vector."""

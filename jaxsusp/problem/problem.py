@@ -22,6 +22,7 @@ from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.problem.fitness import FitnessTerms, fitness_terms, waypoint_stability
 from jaxsusp.problem.search import Regions, keep_inside, pad_regions, regions_of
 from jaxsusp.problem.starts import Starts, starts_of
+from jaxsusp.problem.twin import twin_fitness
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
@@ -52,6 +53,12 @@ class Suspension:
     def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
         """Total fitness of many decision vectors, candidates in the last axis of all arithmetic."""
         return _population_fitness(self, x)
+
+    def twin(self, x: Float[Array, "pop dim"], band) -> Float[Array, "pop"]:
+        """The fitness of many decision vectors with depths in place of counts, see `twin`."""
+        world = cast_world(self.world, x.dtype)
+        structure = self.samples, self.with_stability, self.drive, self.with_cables
+        return twin_fitness(world, x.T, *structure, band)
 
     def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"]:
         """S_c of every waypoint of every candidate (Eq. 18)."""
@@ -214,6 +221,22 @@ class Problem:
         population = getattr(self.fitness, "population", None) or jax.vmap(self.fitness)
         value = population(x).astype(x.dtype)
         return jnp.where(jnp.isfinite(value), value, jnp.inf)
+
+    def twin(self, x: Float[Array, "pop dim"], band=0.0) -> Float[Array, "pop"]:
+        """A fitness with a gradient that is of use: that of the suspension's smooth twin.
+
+        Equal to the fitness wherever nothing is in contact and no limit is violated, see
+        `problem.twin`; of a generic problem the fitness itself.
+
+        Args:
+            x: a population.
+            band: how near to a contact or limit, in shares of what counts as one, what is clear
+                costs already; 0: nothing does.
+        """
+        if twin := getattr(self.fitness, "twin", None):
+            return twin(x, band)
+        population = getattr(self.fitness, "population", None) or jax.vmap(self.fitness)
+        return population(x).astype(x.dtype)
 
     def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"] | None:
         """S_c of every candidate's waypoints (Eq. 18); None on a generic problem."""

@@ -80,12 +80,26 @@ def count_arm_contacts(
         ends: P_k packed (K, samples, …) (m).
         bases: O_k packed (K, samples, …) (m).
     """
+    faulty = (arm_excess(world, position, ends, bases) > 0).sum(axis=-3, dtype=jnp.int32)
+    return faulty.min(axis=-2).sum(axis=-1)
+
+
+def arm_excess(
+    world: World, position: Vec3, ends: Vec3, bases: Vec3
+) -> Float[Array, "*batch samples elbows=2 cables"]:
+    """What moving arms lack of their clearance (m) at samples, with elbows up, then down.
+
+    Args:
+        world: robots, obstacles, load and distances required.
+        position: the load's centre, samples on axis 0, any trailing batch axes (m).
+        ends: P_k packed (K, samples, …) (m).
+        bases: O_k packed (K, samples, …) (m).
+    """
     batch = position.x.shape[1:]
     where = position.to_array().reshape(len(position.x), -1, 3)
     held, feet = (rows_of(each).reshape(*where.shape[:2], -1, 3) for each in (ends, bases))
     slack = jax.vmap(_slacks, in_axes=(None, 1, 1, 1))(world, where, held, feet)
-    faulty = (slack < ARM_MARGIN).sum(axis=1, dtype=jnp.int32)  # (batch, elbows, robots)
-    return faulty.min(axis=1).sum(axis=-1).reshape(batch)
+    return (ARM_MARGIN - slack).reshape(*batch, *slack.shape[1:])
 
 
 def _slacks(world: World, position, ends, bases) -> Float[Array, "samples elbows=2 cables"]:

@@ -1,0 +1,100 @@
+"""How deep a straight segment, or a plane, is in a convex body: the tests of `segments` in metres.
+
+A depth is positive where the test of the same name says that the two meet, and negative where they
+are apart: the least of what every separating axis of the test tells, so that its gradient is the
+direction of the shortest way out. Apart, it is no distance, but never more than it in size.
+"""
+
+import functools
+
+import jax.numpy as jnp
+
+from jaxsusp._types import Array, Float
+from jaxsusp.geometry.segments import SweptTests
+from jaxsusp.vec3 import Vec3, cross, dot, norm, safe_sqrt
+
+_TINY = 1e-20  # m²; a shorter axis tells nothing
+_FAR = 1e6  # m; the depth along an axis that tells nothing
+
+
+def segment_in_box(a: Vec3, b: Vec3, half: Vec3) -> Float[Array, "..."]:
+    """Depth (m) of segment a-b in the axis-aligned box of half-extents `half` about the origin."""
+    middle, reach = 0.5 * (a + b), 0.5 * (b - a)
+    size = reach.abs()
+    moment = cross(middle, reach).abs()
+    return functools.reduce(
+        jnp.minimum,
+        [
+            half.x + size.x - jnp.abs(middle.x),
+            half.y + size.y - jnp.abs(middle.y),
+            half.z + size.z - jnp.abs(middle.z),
+            _per_length(half.y * size.z + half.z * size.y - moment.x, size.y**2 + size.z**2),
+            _per_length(half.z * size.x + half.x * size.z - moment.y, size.z**2 + size.x**2),
+            _per_length(half.x * size.y + half.y * size.x - moment.z, size.x**2 + size.y**2),
+        ],
+    )
+
+
+def segment_in_cylinder(a: Vec3, b: Vec3, radius, half_height) -> Float[Array, "..."]:
+    """Depth (m) of segment a-b in the vertical cylinder about the origin.
+
+    The less of what the segment and the slab |z| <= half_height have in common in height, and of
+    what the part inside the slab lacks from the radius.
+    """
+    along = b - a
+    vertical = half_height + 0.5 * jnp.abs(along.z) - jnp.abs(a.z + 0.5 * along.z)
+    level = along.z == 0
+    per_z = 1 / jnp.where(level, 1, along.z)
+    bottom, top = (-half_height - a.z) * per_z, (half_height - a.z) * per_z
+    enter = jnp.where(level, 0, jnp.clip(jnp.minimum(bottom, top), 0, 1))
+    leave = jnp.where(level, 1, jnp.clip(jnp.maximum(bottom, top), 0, 1))
+    plane = along.x**2 + along.y**2
+    still = plane <= _TINY
+    nearest = -(a.x * along.x + a.y * along.y) / jnp.where(still, 1, plane)
+    t = jnp.minimum(jnp.maximum(jnp.where(still, 0, nearest), enter), leave)
+    gap = safe_sqrt((a.x + t * along.x) ** 2 + (a.y + t * along.y) ** 2)
+    return jnp.minimum(vertical, radius - gap)
+
+
+def segment_in_sphere(a: Vec3, b: Vec3, radius) -> Float[Array, "..."]:
+    """Depth (m) of segment a-b in the sphere about the origin."""
+    along = b - a
+    square = dot(along, along)
+    still = square <= _TINY
+    t = jnp.clip(jnp.where(still, 0, -dot(a, along) / jnp.where(still, 1, square)), 0, 1)
+    return radius - norm(a + t * along)
+
+
+def plane_in_box(normal: Vec3, point: Vec3, half: Vec3) -> Float[Array, "..."]:
+    """Depth (m) of the plane through a point in the box about the origin."""
+    common = dot(normal.abs(), half) - jnp.abs(dot(normal, point))
+    return _per_length(common, dot(normal, normal))
+
+
+def plane_in_cylinder(normal: Vec3, point: Vec3, radius, half_height) -> Float[Array, "..."]:
+    """Depth (m) of the plane through a point in the vertical cylinder about the origin."""
+    support = jnp.abs(normal.z) * half_height + radius * safe_sqrt(normal.x**2 + normal.y**2)
+    return _per_length(support - jnp.abs(dot(normal, point)), dot(normal, normal))
+
+
+def plane_in_sphere(normal: Vec3, point: Vec3, radius) -> Float[Array, "..."]:
+    """Depth (m) of the plane through a point in the sphere about the origin."""
+    square = dot(normal, normal)
+    return radius + _per_length(-jnp.abs(dot(normal, point)), square)
+
+
+def _per_length(value: Array, square: Array) -> Array:
+    """A value that is in proportion to the length of an axis, per that length."""
+    short = square <= _TINY
+    return jnp.where(short, _FAR, value / jnp.sqrt(jnp.where(short, 1, square)))
+
+
+DEPTHS = SweptTests(
+    segment_in_box,
+    segment_in_cylinder,
+    segment_in_sphere,
+    plane_in_box,
+    plane_in_cylinder,
+    plane_in_sphere,
+    jnp.minimum,
+)
