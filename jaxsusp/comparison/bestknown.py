@@ -1,8 +1,8 @@
 """The best known fitness of a task: what a comparison measures its algorithms against.
 
-Best known is not optimal: it is the lowest fitness of a trajectory without any collision or violated
-limit that anybody has kept so far, and `experiments/best_known.py` keeps better ones. The records
-are in `data/best_known.json`, one a line, with the waypoints that prove each value.
+Best known is not optimal: it is the lowest fitness of a trajectory without any collision or
+violated limit that has been kept so far, and `experiments/best_known.py` keeps better ones. The
+records are in `data/best_known.json`, one a line, with the waypoints that prove each value.
 """
 
 import functools
@@ -27,8 +27,8 @@ def best_known(scenario: Named | Scenario, waypoints: int = 5, samples: int = 40
     return value_of(load_scenario(scenario).digest, waypoints, samples)
 
 
-def value_of(digest: str, waypoints: int, samples: int) -> float | None:
-    """The same for a scenario of which there is only the digest."""
+def value_of(digest: str | None, waypoints: int | None, samples: int | None) -> float | None:
+    """The same for a scenario of which there is only the digest; None stands for anything else."""
     record = _by_task(FILE).get((digest, waypoints, samples))
     return None if record is None else record["fitness"]
 

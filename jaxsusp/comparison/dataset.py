@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 
 from jaxsusp._files import write_netcdf
+from jaxsusp.comparison.earlier import ADDED, brought_up_to_date
 from jaxsusp.errors import InputError
 from jaxsusp.optim.devices import cores
 
@@ -57,9 +58,13 @@ VARIABLES: dict[str, Variable] = {
         _CELL, np.float64, "median of 1/curvature over the best run's interior samples", "m"
     ),
     "evaluations": Variable(_CELL, np.int64, "fitness evaluations per run"),
+    "evaluations_initial": Variable(_CELL, np.int64, "of these, before the first iteration"),
     "stability_acted": Variable(_RUN, np.float64, "share of beetles that Eq. 19 acted on"),
     "stability_kept": Variable(_RUN, np.float64, "share of beetles that Eq. 19 improved"),
     "obstacles": Variable(("scenario",), np.int64, "number of obstacles"),
+    "best_known": Variable(
+        ("scenario",), np.float64, "lowest fitness known when this was computed, NaN if none is"
+    ),
     "iterations": Variable(("algorithm",), np.int64, "iterations per run"),
     "seconds_run": Variable(("algorithm",), np.float64, "computation of all runs", "s"),
     "seconds_compile": Variable(("algorithm",), np.float64, "compilation, once", "s"),
@@ -67,6 +72,9 @@ VARIABLES: dict[str, Variable] = {
 
 SUMMED = ("seconds_run", "seconds_compile")
 """Variables that add up when a comparison is put together from units."""
+
+LOWEST = ("best_known",)
+"""Variables of which the lowest value that is there holds."""
 
 OF_THE_BEST_RUN = ("position", "curvature_radius")
 """Variables that tell of the best run of a cell."""
@@ -125,6 +133,9 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
             given = unit[name].transpose(*variable.dims).values
             if name in SUMMED:
                 values[name][where] += given
+                continue
+            if name in LOWEST:
+                values[name][where] = np.fmin(values[name][where], given)
                 continue
             if name in OF_THE_BEST_RUN:
                 told = leads
@@ -243,6 +254,8 @@ def save_results(ds: xr.Dataset, path: str | os.PathLike[str]) -> None:
 def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a saved dataset into memory, exactly as it was saved.
 
+    What files of earlier versions do not hold is added, see `comparison.earlier`.
+
     Raises:
         InputError: the file is missing, no NetCDF-4, damaged, or not a comparison of this layout.
     """
@@ -258,6 +271,7 @@ def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
         raise InputError(f"{path}: cannot be read as NetCDF-4 ({error}); {remedy}") from error
     if wrong := _not_this_layout(ds):
         raise InputError(f"{path}: is not a comparison ({wrong}); {remedy}")
+    ds = brought_up_to_date(ds)
     values = {name: ds[name].values for name in VARIABLES}
     return assemble({dim: ds[dim].values for dim in (*_CELL, *_NUMBERED)}, values).assign_attrs(
         ds.attrs
@@ -267,6 +281,8 @@ def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
 def _not_this_layout(ds: xr.Dataset) -> str:
     """What is missing or wrong, "" if nothing is."""
     for name, variable in VARIABLES.items():
+        if name in ADDED and name not in ds:
+            continue
         if name not in ds or ds[name].dims != variable.dims:
             return f"it has no {name} with dimensions {', '.join(variable.dims)}"
     for dim in (*_CELL, *_NUMBERED):

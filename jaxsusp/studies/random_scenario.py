@@ -73,7 +73,7 @@ def random_scenarios(
     """Random scenes of rising difficulty: scene i is `random_scenario(i, 5 + i // 2)`.
 
     The first scenes are the same for every count, so that a longer series goes on where a shorter
-    one ended. Fifty of them have 5 to 29 obstacles; drawing one takes about a second.
+    one ended. Fifty of them have 5 to 29 obstacles and take minutes to draw.
 
     Args:
         count: how many, 0 to 1992.
