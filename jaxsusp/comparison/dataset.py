@@ -12,7 +12,7 @@ import platform
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict
 
 import h5py
 import jax
@@ -29,6 +29,17 @@ PACKAGES = ("jaxsusp", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf")
 JSON_ATTRIBUTES = ("settings", "coefficients", "scenario_files", "versions", "machine")
 DECISIVE = ("jaxsusp", "jax", "jaxlib")
 """Packages whose version decides what a search finds: these must agree to put runs together."""
+
+
+TIME_BUDGET = "time_budget"
+"""The attribute that holds an `Allotment`, in comparisons whose budget is time."""
+
+
+class Allotment(TypedDict):
+    """What every algorithm got of a budget of time."""
+
+    seconds: float  # per run
+    iterations: dict[str, int]  # by algorithm
 
 
 class Variable(NamedTuple):
@@ -166,8 +177,13 @@ def _leads(best: np.ndarray, unit: xr.Dataset, place: dict[str, list[int]]) -> n
 
 
 def _united_attributes(units: Sequence[xr.Dataset]) -> dict[str, Any]:
-    """Those of the first unit, with the coefficients of the algorithms of all."""
+    """Those of the first unit, with coefficients and allotted time of the algorithms of all."""
     attributes = dict(units[0].attrs)
+    if TIME_BUDGET in attributes:
+        allotted = time_allotted(units[0])
+        for unit in units[1:]:
+            allotted["iterations"] |= time_allotted(unit)["iterations"]
+        attributes[TIME_BUDGET] = json.dumps(allotted)
     if "coefficients" in attributes:
         united = {}
         for unit in units:
@@ -214,7 +230,7 @@ def different_settings(ds: xr.Dataset, more: xr.Dataset) -> str:
     for name in one_algorithms.keys() & two_algorithms.keys():
         if one_algorithms[name] != two_algorithms[name]:
             return f"the coefficients of {name}"
-    return ""
+    return _different_time(time_allotted(ds), time_allotted(more))
 
 
 def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
@@ -222,6 +238,22 @@ def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
         return f"scenarios ({', '.join(one)} and {', '.join(two)})"
     changed = ", ".join(name for name in one if one[name] != two[name])
     return f"the content of scenarios ({changed})"
+
+
+def _different_time(one: Allotment, two: Allotment) -> str:
+    if not one["iterations"] or not two["iterations"]:  # not allotted yet
+        return ""
+    if one["seconds"] != two["seconds"]:
+        return f"the time measured for a run ({one['seconds']:.4g} s and {two['seconds']:.4g} s)"
+    for name in one["iterations"].keys() & two["iterations"].keys():
+        if one["iterations"][name] != two["iterations"][name]:
+            return f"the iterations of {name}"
+    return ""
+
+
+def time_allotted(ds: xr.Dataset) -> Allotment:
+    """What the algorithms of a comparison got, nothing where time was not its budget."""
+    return json.loads(ds.attrs.get(TIME_BUDGET, '{"seconds": 0.0, "iterations": {}}'))
 
 
 def provenance() -> dict[str, str]:

@@ -16,7 +16,7 @@ from jaxsusp.comparison import dataset
 from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.errors import InputError
 from jaxsusp.optim.base import Optimizer
-from jaxsusp.optim.batch import Outcome, run_batch
+from jaxsusp.optim.batch import Outcome, run_batch, time_iteration
 from jaxsusp.optim.loop import Evaluations, count_evaluations
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
@@ -130,6 +130,17 @@ class Unit(NamedTuple):
             found = ds["fitness"].reindex(labels).notnull().all(tuple(labels))
             there.update(ds["run"].values[found.values].tolist())
         return [run for run in range(runs) if run not in there]
+
+    def time_iteration(self, seed: int, runs: int) -> float:
+        """Seconds that one iteration of so many runs on all scenarios of the group takes."""
+        return time_iteration(
+            self.group.problems,
+            self.optimizer,
+            seed,
+            range(runs),
+            self.iterations,
+            self.population,
+        )
 
     def compute(self, seed: int, runs: Sequence[int], report: Callable[[int], None]) -> xr.Dataset:
         """Run it and describe the outcome.

@@ -203,7 +203,7 @@ def test_help_shows_an_example(run, command):
         (["compare", "--algorithms", ""], "algorithms: none given"),
         (["compare", "--algorithms", "ga,ga"], "'ga' is repeated"),
         (["compare", "--search", "foo"], "search = 'foo' is not known"),
-        (["compare", "--budget", "time"], "budget = 'time' is not known"),
+        (["compare", "--budget", "times"], "budget = 'times' is not known"),
         (["compare", "--output", "broken.toml"], "output = broken.toml: is a file, not a folder"),
         (["compare", "--output", "old", "--resume"], "cannot be resumed, it differs in"),
         (["compare", "--colour"], "No such option: --colour"),
