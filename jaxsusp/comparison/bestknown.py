@@ -43,5 +43,5 @@ def records(file: Path = FILE) -> list[dict[str, Any]]:
 
 
 @functools.cache
-def _by_task(file: Path) -> dict[tuple[str, int, int], dict[str, Any]]:
+def _by_task(file: Path) -> dict[tuple, dict[str, Any]]:
     return {(each["digest"], each["waypoints"], each["samples"]): each for each in records(file)}
