@@ -110,7 +110,7 @@ COLUMNS = {
 """Columns that need more than their own name and `plain`; `attrs["columns"]` goes before."""
 
 
-_BROKEN = {"algorithm": "algo- rithm", "average": "aver- age"}
+_BROKEN = {"average": "aver- age"}
 """Headings of a terminal that would be wider than what is below them."""
 
 

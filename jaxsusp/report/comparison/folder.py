@@ -89,10 +89,8 @@ def write_report(
             files.append(folder / f"{name}.png")
     if few:
         return files + _draw_scenes(ds, folder, told)
-    told(
-        f"{ds.sizes['scenario']} scenarios: pictures of each are drawn for up to {MOST_DRAWN}, so "
-        "there is ecdf.png alone"
-    )
+    count = ds.sizes["scenario"]
+    told(f"{count} scenarios: pictures of each are drawn where there are at most {MOST_DRAWN}")
     return files
 
 

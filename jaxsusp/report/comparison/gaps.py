@@ -112,11 +112,11 @@ def gap_table(ds: xr.Dataset) -> pd.DataFrame:
         "ert_1": Column("ERT +1%", evaluations),
     }
     frame.attrs["caption"] = (
-        f"{GAP} ERT: expected running time in fitness evaluations to a first clear trajectory and "
-        "to 10 % and 1 % above the best known, that is, evaluations of all runs until they are "
-        "there, or to their end, over the number of runs that get there; ∞: none does. Clear in "
-        "an ERT: the best fitness so far is below w₆κ, the price of one collision or violation "
-        "(no term is negative)."
+        f"{(GAP + ' ') * known.notnull().any().item()}ERT: expected running time in fitness "
+        "evaluations to a first clear trajectory and to 10 % and 1 % above the best known, that "
+        "is, evaluations of all runs until the iteration ends that gets there, or to their end, "
+        "over the number of runs that get there; ∞: none does. Clear in an ERT: the best fitness so far is below "
+        "w₆κ, the price of one collision or violation (no term is negative)."
     )
     return frame
 
@@ -151,9 +151,10 @@ def gap_summary(ds: xr.Dataset) -> pd.DataFrame:
     }
     frame.attrs["caption"] = (
         f"{GAP} Mean and largest over the scenarios of the mean over the runs; a best fitness is "
-        f"known of {known} of the {count} scenarios. All clear: scenarios of which every run is "
-        "without any collision or violation."
-    )
+        f"known of {known} of {count} scenarios. "
+        if known
+        else "No best fitness is known of these scenarios. "
+    ) + "All clear: scenarios of which every run is without any collision or violation."
     return frame
 
 

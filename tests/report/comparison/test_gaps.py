@@ -95,6 +95,7 @@ def test_the_summary_is_over_the_scenarios(comparison):
     clear = gaps.gap_summary(comparison.isel(run=[0, 1])).set_index("algorithm")
     assert clear["all_clear"].tolist() == [2, 2, 1, 2]
     assert "gap" not in clear
+    assert "No best fitness" in gaps.gap_summary(comparison).attrs["caption"]
 
 
 def test_what_never_found_anything_is_infinitely_far(comparison):
@@ -193,8 +194,7 @@ def test_of_many_scenarios_there_is_a_summary_and_one_picture(comparison, monkey
     told = []
     files = folder.write_report(many, tmp_path, told.append)
     assert [file.name for file in files if file.suffix == ".png"] == ["ecdf.png"]
-    assert told == ["13 scenarios: pictures of each are drawn for up to 12, so there is ecdf.png "
-                    "alone"]  # fmt: skip
+    assert told == ["13 scenarios: pictures of each are drawn where there are at most 12"]
     assert folder.printed(many, gap=False) == ("gap-summary",)
     assert folder.printed(many, gap=True) == ("gap-summary", "gap")
     assert folder.printed(comparison, gap=False) == ("comparison", "ratios", "stability")
