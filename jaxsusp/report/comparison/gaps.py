@@ -115,8 +115,8 @@ def gap_table(ds: xr.Dataset) -> pd.DataFrame:
         f"{(GAP + ' ') * known.notnull().any().item()}ERT: expected running time in fitness "
         "evaluations to a first clear trajectory and to 10 % and 1 % above the best known, that "
         "is, evaluations of all runs until the iteration ends that gets there, or to their end, "
-        "over the number of runs that get there; ∞: none does. Clear in an ERT: the best fitness so far is below "
-        "w₆κ, the price of one collision or violation (no term is negative)."
+        "over the number of runs that get there; ∞: none does. Clear in an ERT: the best fitness "
+        "so far is below w₆κ, the price of one collision or violation (no term is negative)."
     )
     return frame
 
