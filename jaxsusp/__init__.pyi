@@ -9,6 +9,7 @@ from .scenario.scenario import load_scenario as load_scenario
 from .scenario.builtin import scenarios as scenarios
 from .scenario.builtin import examples as examples
 from .studies.random_scenario import random_scenario as random_scenario
+from .studies.random_scenario import random_scenarios as random_scenarios
 from .errors import InputError as InputError
 from .errors import ScenarioError as ScenarioError
 
@@ -59,6 +60,7 @@ from .optim.minimize import Result as Result
 
 # comparisons
 from .comparison.compare import compare as compare
+from .comparison.bestknown import best_known as best_known
 from .comparison.dataset import append_results as append_results
 from .comparison.dataset import load_results as load_results
 from .comparison.dataset import save_results as save_results

@@ -29,6 +29,8 @@ def test_a_comparison_loads_and_its_fitness_is_what_it_was():
     ds = js.load_results(FILES / "compare-0.1.0.nc")
     assert ds.sizes["run"] == 2
     assert "comparison" in build_tables(ds)
+    assert ds["best_known"].isnull().all()  # two waypoints, of which nothing is known
+    assert ((ds["evaluations"] - ds["evaluations_initial"]) % ds.sizes["iteration"] == 0).all()
     scenarios = {str(name): js.load_scenario(str(name)) for name in ds["scenario"].values}
     counts = obstacle_counts(list(scenarios.values()))
     for name, scenario in scenarios.items():

@@ -22,6 +22,7 @@ from jaxsusp.cli.options import (
     Search,
     Seed,
     Waypoints,
+    count,
     flag,
     names,
     require_choices,
@@ -35,6 +36,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+Gap = Annotated[
+    bool,
+    flag("--gap", "Print how near and how soon algorithms come to the best known fitness."),
+]
+
+
 @command(
     epilog="Example: jaxsusp compare --scenarios scenario-1,mine.toml --algorithms pso,sdbo "
     "--runs 5 --output trial"
@@ -42,6 +49,10 @@ if TYPE_CHECKING:
 def compare(
     scenarios: Annotated[
         str | None, typer.Option(help="Names or TOML files, separated by commas; default: the six.")
+    ] = None,
+    random: Annotated[
+        int | None,
+        count("So many random scenes of rising difficulty; with --scenarios beside those."),
     ] = None,
     algorithms: Annotated[
         str, typer.Option(help='Names separated by commas, see `jaxsusp algorithms`; or "all".')
@@ -51,7 +62,10 @@ def compare(
     population: Population = 30,
     seed: Seed = 0,
     budget: Annotated[
-        str, typer.Option(help='Equal "iterations" (the paper) or equal "evaluations" for all.')
+        str,
+        typer.Option(
+            help='Equal "iterations" (the paper), "evaluations" or measured "time" for all.'
+        ),
     ] = BUDGETS[0],
     search: Search = SEARCH,
     waypoints: Waypoints = 5,
@@ -61,11 +75,13 @@ def compare(
         bool,
         flag("--resume", "Go on from what is in the output folder; also adds runs."),
     ] = False,
+    gap: Gap = False,
     cache: Cache = None,
     as_json: Json = False,
 ) -> None:
     """Run every algorithm on every scenario; write tables, figures and compare.nc."""
-    chosen = built_in() if scenarios is None else names("scenarios", scenarios)
+    default = built_in() if random is None else ()
+    chosen = default if scenarios is None else names("scenarios", scenarios)
     named = [*ALGORITHMS] if algorithms == "all" else names("algorithms", algorithms)
     require_choices(chosen, named, search)
     require_known("budget", budget, BUDGETS)
@@ -75,13 +91,15 @@ def compare(
     from jaxsusp.cli.progress import ProgressBar
     from jaxsusp.comparison import compare as comparison
     from jaxsusp.optim import devices
+    from jaxsusp.studies.random_scenario import random_scenarios
 
     devices.configure(cache=cache)
     working()
     with ProgressBar(Console(stderr=True)) as bar:
         try:
+            drawn = random_scenarios(random or 0, lambda name, i: bar.drawing(name, i, random or 0))
             ds = comparison.compare(
-                chosen, named, runs, iterations, population, seed,
+                [*chosen, *drawn], named, runs, iterations, population, seed,
                 budget=budget, search=search, waypoints=waypoints, samples=samples,
                 output=output, resume=resume, progress=bar.told,
             )  # fmt: skip
@@ -93,7 +111,7 @@ def compare(
                 else "no algorithm had finished; nothing was written."
             )
     try:
-        _report(ds, output, as_json)
+        _report(ds, output / FILE, output, gap, as_json)
     except KeyboardInterrupt:
         file = output / FILE
         interrupted(f"the comparison is complete; `jaxsusp report {file}` writes its report.")
@@ -103,6 +121,7 @@ def compare(
 def report(
     results: Annotated[Path, typer.Argument(help="A compare.nc that `jaxsusp compare` wrote.")],
     output: Output = RESULTS,
+    gap: Gap = False,
     as_json: Json = False,
 ) -> None:
     """Write the tables and figures of a saved comparison again."""
@@ -114,13 +133,14 @@ def report(
     from jaxsusp.optim import devices
 
     devices.configure()
-    _report(load_results(results), output, as_json)
+    _report(load_results(results), results, output, gap, as_json)
 
 
-def _report(ds: "xr.Dataset", output: Path, as_json: bool) -> None:
+def _report(ds: "xr.Dataset", source: Path, output: Path, gap: bool, as_json: bool) -> None:
     from rich.console import Console
 
-    from jaxsusp.report.comparison.folder import PRINTED, as_records, build_tables, write_report
+    from jaxsusp.report.comparison.folder import as_records, build_tables, printed, write_report
+    from jaxsusp.report.comparison.gaps import better_than_known
     from jaxsusp.report.render import to_rich
 
     stderr = Console(stderr=True)
@@ -131,7 +151,11 @@ def _report(ds: "xr.Dataset", output: Path, as_json: bool) -> None:
         print(json.dumps(records, indent=2, allow_nan=False))
     else:
         stdout, frames = Console(), build_tables(ds)
-        for name in PRINTED:
-            if name in frames:
-                stdout.print(to_rich(frames[name]), "")
+        shown = [name for name in printed(ds, gap) if name in frames]
+        for name in shown:
+            stdout.print(to_rich(frames[name]), "")
+        if "comparison" not in shown:
+            note(f"{len(ds['scenario'])} scenarios: all other tables are in {output}")
+    for sentence in better_than_known(ds):
+        note(f"{sentence}; `python experiments/best_known.py --results {source}` keeps it")
     note(f"{len(files)} tables and figures are in {output}")

@@ -115,6 +115,12 @@ class ProgressBar:
         text = event.algorithm if event.phase == "running" else f"{event.algorithm} {event.phase}"
         self._bar.update(self._task, description=text, completed=event.done, total=event.total)
 
+    def drawing(self, name: str, number: int, count: int) -> None:
+        """Show that one of so many random scenes is being drawn."""
+        if self._bar.disable:
+            self._console.print(f"drawing {name}", markup=False, highlight=False, soft_wrap=True)
+        self._bar.update(self._task, description=f"drawing {name}", completed=number, total=count)
+
     def _print_line(self, event: Event) -> None:
         how = "was there already" if event.phase == "resumed" else "finished"
         share = f"{100 * event.done / event.total:.0f} % after {self._pace.elapsed}"

@@ -1,6 +1,6 @@
 """What a person chooses from; light to import, so that a mistyped choice is answered at once."""
 
-BUDGETS = ("iterations", "evaluations")
+BUDGETS = ("iterations", "evaluations", "time")
 """What all algorithms of a comparison get equally much of."""
 
 FILE, PARTS = "compare.nc", "compare.parts"

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 import xarray as xr
 
-from jaxsusp.comparison import dataset
+from jaxsusp.comparison import dataset, timebudget
 from jaxsusp.comparison.choices import BUDGETS
 from jaxsusp.comparison.store import Store
 from jaxsusp.comparison.workunit import Unit, stack_scenarios
@@ -34,7 +34,7 @@ class Event(NamedTuple):
     """What a progress callback is told."""
 
     algorithm: str  # the name of a scenario while its free space is mapped
-    phase: str  # "free space", "resumed", "compiling", "running" or "finished"
+    phase: str  # "free space", "timing", "resumed", "compiling", "running" or "finished"
     done: int  # fitness evaluations done …
     total: int  # … of the whole comparison
     compilations: int = 0  # still to be done, this one included
@@ -66,7 +66,9 @@ def compare(
         population: candidates per iteration.
         seed: root of all randomness.
         budget: "iterations" gives every algorithm as many iterations (the paper); "evaluations"
-            as many as fit into population × (iterations + 1) fitness evaluations.
+            as many as fit into population × (iterations + 1) fitness evaluations; "time" as many
+            as fit into the time that the slowest takes for `iterations`, measured here and now,
+            see `comparison.timebudget`. What was made is in the dataset's `iterations`.
         search: what waypoints are kept in: "free-space", "ellipsoid" or "box", see
             `problem.search`; the first two compute every scenario's free space once.
         waypoints: free waypoints m between start and goal; D = 3m.
@@ -128,6 +130,13 @@ def compare(
     )
     finished = store.finished() if resume else []
     store.prepare()
+    if budget == "time":
+
+        def timed(unit: Unit) -> None:
+            tell(Event(unit.optimizer.name, "timing", 0, 1))
+
+        units, allotted = timebudget.allot(units, runs, seed, finished, timed)
+        store.attributes[dataset.TIME_BUDGET] = json.dumps(allotted)
     ds = dataset.merge([*_compute_missing(units, runs, seed, store, finished, tell), *finished])
     ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
     store.complete(ds)

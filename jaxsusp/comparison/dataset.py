@@ -12,7 +12,7 @@ import platform
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict
 
 import h5py
 import jax
@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 
 from jaxsusp._files import write_netcdf
+from jaxsusp.comparison.earlier import ADDED, brought_up_to_date
 from jaxsusp.errors import InputError
 from jaxsusp.optim.devices import cores
 
@@ -28,6 +29,17 @@ PACKAGES = ("jaxsusp", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf")
 JSON_ATTRIBUTES = ("settings", "coefficients", "scenario_files", "versions", "machine")
 DECISIVE = ("jaxsusp", "jax", "jaxlib")
 """Packages whose version decides what a search finds: these must agree to put runs together."""
+
+
+TIME_BUDGET = "time_budget"
+"""The attribute that holds an `Allotment`, in comparisons whose budget is time."""
+
+
+class Allotment(TypedDict):
+    """What every algorithm got of a budget of time."""
+
+    seconds: float  # per run
+    iterations: dict[str, int]  # by algorithm
 
 
 class Variable(NamedTuple):
@@ -57,9 +69,13 @@ VARIABLES: dict[str, Variable] = {
         _CELL, np.float64, "median of 1/curvature over the best run's interior samples", "m"
     ),
     "evaluations": Variable(_CELL, np.int64, "fitness evaluations per run"),
+    "evaluations_initial": Variable(_CELL, np.int64, "of these, before the first iteration"),
     "stability_acted": Variable(_RUN, np.float64, "share of beetles that Eq. 19 acted on"),
     "stability_kept": Variable(_RUN, np.float64, "share of beetles that Eq. 19 improved"),
     "obstacles": Variable(("scenario",), np.int64, "number of obstacles"),
+    "best_known": Variable(
+        ("scenario",), np.float64, "lowest fitness known when this was computed, NaN if none is"
+    ),
     "iterations": Variable(("algorithm",), np.int64, "iterations per run"),
     "seconds_run": Variable(("algorithm",), np.float64, "computation of all runs", "s"),
     "seconds_compile": Variable(("algorithm",), np.float64, "compilation, once", "s"),
@@ -67,6 +83,9 @@ VARIABLES: dict[str, Variable] = {
 
 SUMMED = ("seconds_run", "seconds_compile")
 """Variables that add up when a comparison is put together from units."""
+
+LOWEST = ("best_known",)
+"""Variables of which the lowest value that is there holds."""
 
 OF_THE_BEST_RUN = ("position", "curvature_radius")
 """Variables that tell of the best run of a cell."""
@@ -126,6 +145,9 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
             if name in SUMMED:
                 values[name][where] += given
                 continue
+            if name in LOWEST:
+                values[name][where] = np.fmin(values[name][where], given)
+                continue
             if name in OF_THE_BEST_RUN:
                 told = leads
             else:
@@ -155,8 +177,13 @@ def _leads(best: np.ndarray, unit: xr.Dataset, place: dict[str, list[int]]) -> n
 
 
 def _united_attributes(units: Sequence[xr.Dataset]) -> dict[str, Any]:
-    """Those of the first unit, with the coefficients of the algorithms of all."""
+    """Those of the first unit, with coefficients and allotted time of the algorithms of all."""
     attributes = dict(units[0].attrs)
+    if TIME_BUDGET in attributes:
+        allotted = time_allotted(units[0])
+        for unit in units[1:]:
+            allotted["iterations"] |= time_allotted(unit)["iterations"]
+        attributes[TIME_BUDGET] = json.dumps(allotted)
     if "coefficients" in attributes:
         united = {}
         for unit in units:
@@ -203,7 +230,7 @@ def different_settings(ds: xr.Dataset, more: xr.Dataset) -> str:
     for name in one_algorithms.keys() & two_algorithms.keys():
         if one_algorithms[name] != two_algorithms[name]:
             return f"the coefficients of {name}"
-    return ""
+    return _different_time(time_allotted(ds), time_allotted(more))
 
 
 def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
@@ -211,6 +238,22 @@ def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
         return f"scenarios ({', '.join(one)} and {', '.join(two)})"
     changed = ", ".join(name for name in one if one[name] != two[name])
     return f"the content of scenarios ({changed})"
+
+
+def _different_time(one: Allotment, two: Allotment) -> str:
+    if not one["iterations"] or not two["iterations"]:  # not allotted yet
+        return ""
+    if one["seconds"] != two["seconds"]:
+        return f"the time measured for a run ({one['seconds']:.4g} s and {two['seconds']:.4g} s)"
+    for name in one["iterations"].keys() & two["iterations"].keys():
+        if one["iterations"][name] != two["iterations"][name]:
+            return f"the iterations of {name}"
+    return ""
+
+
+def time_allotted(ds: xr.Dataset) -> Allotment:
+    """What the algorithms of a comparison got, nothing where time was not its budget."""
+    return json.loads(ds.attrs.get(TIME_BUDGET, '{"seconds": 0.0, "iterations": {}}'))
 
 
 def provenance() -> dict[str, str]:
@@ -243,6 +286,8 @@ def save_results(ds: xr.Dataset, path: str | os.PathLike[str]) -> None:
 def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a saved dataset into memory, exactly as it was saved.
 
+    What files of earlier versions do not hold is added, see `comparison.earlier`.
+
     Raises:
         InputError: the file is missing, no NetCDF-4, damaged, or not a comparison of this layout.
     """
@@ -258,6 +303,7 @@ def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
         raise InputError(f"{path}: cannot be read as NetCDF-4 ({error}); {remedy}") from error
     if wrong := _not_this_layout(ds):
         raise InputError(f"{path}: is not a comparison ({wrong}); {remedy}")
+    ds = brought_up_to_date(ds)
     values = {name: ds[name].values for name in VARIABLES}
     return assemble({dim: ds[dim].values for dim in (*_CELL, *_NUMBERED)}, values).assign_attrs(
         ds.attrs
@@ -267,6 +313,8 @@ def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
 def _not_this_layout(ds: xr.Dataset) -> str:
     """What is missing or wrong, "" if nothing is."""
     for name, variable in VARIABLES.items():
+        if name in ADDED and name not in ds:
+            continue
         if name not in ds or ds[name].dims != variable.dims:
             return f"it has no {name} with dimensions {', '.join(variable.dims)}"
     for dim in (*_CELL, *_NUMBERED):

@@ -46,7 +46,8 @@ class Store:
         """What is there of this comparison: the complete file and units finished since.
 
         An interrupted comparison leaves the complete file of an earlier one in place, whatever its
-        settings. So where there are units they decide, and a file of other settings is left out.
+        settings. So where there are units they decide, and a file of other settings, or of another
+        measurement of time, is left out.
 
         Raises:
             InputError: a file is damaged, or was made with other settings or versions.
@@ -61,7 +62,7 @@ class Store:
         if not parts:
             return [self._own(whole)]
         ds = dataset.load_results(whole)
-        if self._difference(ds):
+        if self._difference(ds) or any(dataset.different_settings(ds, part) for part in parts):
             return parts
         return [ds, *(part for part in parts if not _holds(ds, part))]
 

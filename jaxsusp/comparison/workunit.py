@@ -13,9 +13,10 @@ import numpy as np
 import xarray as xr
 
 from jaxsusp.comparison import dataset
+from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.errors import InputError
 from jaxsusp.optim.base import Optimizer
-from jaxsusp.optim.batch import Outcome, run_batch
+from jaxsusp.optim.batch import Outcome, run_batch, time_iteration
 from jaxsusp.optim.loop import Evaluations, count_evaluations
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
@@ -130,6 +131,17 @@ class Unit(NamedTuple):
             there.update(ds["run"].values[found.values].tolist())
         return [run for run in range(runs) if run not in there]
 
+    def time_iteration(self, seed: int, runs: int) -> float:
+        """Seconds that one iteration of so many runs on all scenarios of the group takes."""
+        return time_iteration(
+            self.group.problems,
+            self.optimizer,
+            seed,
+            range(runs),
+            self.iterations,
+            self.population,
+        )
+
     def compute(self, seed: int, runs: Sequence[int], report: Callable[[int], None]) -> xr.Dataset:
         """Run it and describe the outcome.
 
@@ -154,6 +166,8 @@ class Unit(NamedTuple):
         assert isinstance(suspension, Suspension)
         found = evaluate_exactly(suspension, outcome.x)
         nothing = np.full(outcome.fitness.shape, np.nan)
+        size = outcome.x.shape[-1] // 3, suspension.samples
+        known = [best_known(scenario, *size) for scenario in self.group.scenarios]
         per_run = {
             "fitness": found.fitness,
             "terms": np.stack([getattr(found.terms, name) for name in dataset.TERMS], axis=-1),
@@ -166,10 +180,12 @@ class Unit(NamedTuple):
             "position": found.position,
             "curvature_radius": found.curvature_radius,
             "evaluations": np.full(len(self.group.names), self.per_run.total(self.iterations)),
+            "evaluations_initial": np.full(len(self.group.names), self.per_run.initial),
         }
         values = {name: np.expand_dims(value, 1) for name, value in per_run.items()}
         values |= {
             "obstacles": np.array([len(each.obstacles) for each in self.group.scenarios]),
+            "best_known": np.array(known, np.float64),
             "iterations": np.array([self.iterations]),
             "seconds_run": np.array([outcome.seconds_run]),
             "seconds_compile": np.array([outcome.seconds_compile]),

@@ -7,7 +7,8 @@ the same program. A run's numbers do not depend on how many others share it.
 import functools
 import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import jax
@@ -58,27 +59,68 @@ def run_batch(
     Returns:
         An `Outcome`; compilation (none if the program is at hand) and computation timed apart.
     """
+    clock = time.perf_counter()
+    with _launched(problems, optimizer, seed, runs, iterations, population) as (go, progress):
+        seconds_compile = time.perf_counter() - clock
+        clock = time.perf_counter()
+        for first, stop in itertools.pairwise(_stops(iterations)):
+            progress = go(progress, first, stop)
+            if report is not None:
+                report(stop - 1)
+        seconds_run = time.perf_counter() - clock
+        return _collect(progress, len(runs), iterations, seconds_compile, seconds_run)
+
+
+def time_iteration(
+    problems: Problem,
+    optimizer: Optimizer,
+    seed: int,
+    runs: Sequence[int],
+    iterations: int,
+    population: int,
+) -> float:
+    """Seconds that one iteration of a batch takes on this machine, compilation not included.
+
+    The first three of the chunks of `run_batch` are run and the quickest counts: whatever else the
+    machine does can only delay. Arguments are those of `run_batch`.
+    """
+    with _launched(problems, optimizer, seed, runs, iterations, population) as (go, progress):
+        seconds = []
+        for first, stop in itertools.pairwise(_stops(iterations)[:4]):
+            clock = time.perf_counter()
+            progress = go(progress, first, stop)
+            seconds.append((time.perf_counter() - clock) / (stop - first))
+        return min(seconds)
+
+
+def _stops(iterations: int) -> list[int]:
+    """First iterations of the chunks, counted from 1, and what follows the last one."""
+    stops = np.linspace(1, iterations + 1, min(CHUNKS, iterations) + 1)
+    return stops.round().astype(int).tolist()
+
+
+@contextmanager
+def _launched(
+    problems: Problem,
+    optimizer: Optimizer,
+    seed: int,
+    runs: Sequence[int],
+    iterations: int,
+    population: int,
+) -> Iterator[tuple[Callable[[Progress, int, int], Progress], Progress]]:
+    """Compile a batch and begin it: `go(progress, first, stop)` advances it, and waits."""
     dtype = problems.lower.dtype
     with jax.enable_x64(dtype == np.float64):
         devices = jax.devices()[: len(runs)]
         padded = [*runs, *[runs[-1]] * (-len(runs) % len(devices))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         arguments = (jax.tree.map(jnp.asarray, problems), optimizer, keys)
-        start, go = _programs(tuple(devices), population, iterations)
+        start, advance_all = _programs(tuple(devices), population, iterations)
 
-        clock = time.perf_counter()
-        progress = start(*arguments)
-        progress = jax.block_until_ready(go(*arguments, progress, 1, 1))  # compiles, runs nothing
-        seconds_compile = time.perf_counter() - clock
+        def go(progress: Progress, first: int, stop: int) -> Progress:
+            return jax.block_until_ready(advance_all(*arguments, progress, first, stop))
 
-        clock = time.perf_counter()
-        stops = np.linspace(1, iterations + 1, min(CHUNKS, iterations) + 1).round().astype(int)
-        for first, stop in itertools.pairwise(stops):
-            progress = jax.block_until_ready(go(*arguments, progress, int(first), int(stop)))
-            if report is not None:
-                report(int(stop) - 1)
-        seconds_run = time.perf_counter() - clock
-        return _collect(progress, len(runs), iterations, seconds_compile, seconds_run)
+        yield go, go(start(*arguments), 1, 1)  # compiles, runs nothing
 
 
 @functools.lru_cache(maxsize=64)

@@ -61,6 +61,18 @@ def two_decimals(number: float) -> str:
     return f"{number:.2f}" if math.isfinite(number) else significant(number)
 
 
+def above(gap: float) -> str:
+    """A gap in %: a decimal where it is small, never "-0.0" for what is rounding."""
+    if not math.isfinite(gap) or abs(gap) >= 1e7:
+        return significant(gap, 2)
+    return f"{gap:.0f}" if abs(gap) >= 9.95 else f"{gap if abs(gap) > 1e-7 else 0.0:.1f}"
+
+
+def evaluations(count: float) -> str:
+    """A number of fitness evaluations."""
+    return f"{count:,.0f}" if math.isfinite(count) else significant(count)
+
+
 def plain(value: object) -> str:
     """Any other cell by its type."""
     if isinstance(value, str):
@@ -82,9 +94,11 @@ COLUMNS = {
     "length": Column("length (m)"),
     "height": Column("height (m)"),
     "curvature_radius": Column("radius (m)"),
-    "runtime": Column("run time", duration),
+    "runtime": Column("run (ms)", lambda seconds: significant(1e3 * seconds, 3)),
+    "std": Column("std", lambda deviation: significant(deviation, 3)),
     "evaluations": Column("evals"),
     "clear": Column("clear", out_of="runs"),
+    "gap": Column("gap (%)", above),
     "acted": Column("acted", percent),
     "kept": Column("kept", percent),
     "p": Column("p", probability),
@@ -94,6 +108,10 @@ COLUMNS = {
     "kendall_w": Column("Kendall's W", two_decimals),
 }
 """Columns that need more than their own name and `plain`; `attrs["columns"]` goes before."""
+
+
+_BROKEN = {"average": "aver- age"}
+"""Headings of a terminal that would be wider than what is below them."""
 
 
 def to_rich(frame: pd.DataFrame, title: str | None = None, caption: str | None = None) -> Table:
@@ -122,7 +140,8 @@ def to_rich(frame: pd.DataFrame, title: str | None = None, caption: str | None =
     text = _text(frame, "[bold]{}[/bold]", escape)
     headings = ["\n".join(_heading(frame, text, row, name) for name in group) for row in text.index]
     for name in names:
-        label = "\n".join(_column(frame, name).label.split())  # headings may wrap, numbers not
+        label = _column(frame, name).label  # headings may wrap, numbers not
+        label = "\n".join(_BROKEN.get(label, label).split())
         table.add_column(label, justify=_side(frame, name), no_wrap=True)
     previous = ""
     for row, heading in zip(text.index, headings, strict=True):

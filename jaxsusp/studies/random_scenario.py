@@ -1,5 +1,7 @@
 """Fresh planning tasks of the benchmark's kind: blocked, and proved to be solvable."""
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -56,13 +58,41 @@ def random_scenario(seed: int, obstacles: int = 10) -> Scenario:
     require_count("obstacles", obstacles, most=MOST)
     for attempt in range(ATTEMPTS):
         random = np.random.default_rng([seed, obstacles, attempt])
-        scenario = _draw(random, f"random-{seed}-{obstacles}", obstacles)
+        scenario = _draw(random, _name(seed, obstacles), obstacles)
         if scenario is not None and blocked(scenario) and solvable(scenario):
             return scenario
     raise InputError(
         f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene in {ATTEMPTS} "
         "attempts; choose another seed"
     )
+
+
+def random_scenarios(
+    count: int, told: Callable[[str, int], None] = lambda name, number: None
+) -> tuple[Scenario, ...]:
+    """Random scenes of rising difficulty: scene i is `random_scenario(i, 5 + i // 2)`.
+
+    The first scenes are the same for every count, so that a longer series goes on where a shorter
+    one ended. Fifty of them have 5 to 29 obstacles and take minutes to draw.
+
+    Args:
+        count: how many, 0 to 1992.
+        told: called with the name and the number i of a scene before it is drawn.
+
+    Raises:
+        InputError: a bad count, or a scene that cannot be drawn (see `random_scenario`).
+    """
+    require_count("count", count, least=0, most=2 * (MOST - 4))
+    scenes = []
+    for i in range(count):
+        obstacles = 5 + i // 2
+        told(_name(i, obstacles), i)
+        scenes.append(random_scenario(i, obstacles))
+    return tuple(scenes)
+
+
+def _name(seed: int, obstacles: int) -> str:
+    return f"random-{seed}-{obstacles}"
 
 
 def blocked(scenario: Scenario) -> bool:

@@ -133,6 +133,50 @@ def test_tables_fit_eighty_columns(run, saved, tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("quick_pictures")
+def test_distances_from_the_best_known_are_printed_when_asked_for(run, saved, tmp_path):
+    code, out, err = run("report", saved, "--output", tmp_path, "--gap")
+    assert code == 0
+    assert "gap" in out.splitlines()[1]
+    assert out.index("Over all scenarios:") < out.index("By scenario:")
+    assert 'Budget: 40 iterations (budget = "iterations")' in " ".join(out.split())
+    assert "better than the best known" not in err
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"gap.csv", "gap.md", "gap-summary.csv", "gap-summary.md", "ecdf.png"} <= written
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_what_is_better_than_the_best_known_is_told_with_how_to_keep_it(
+    run, uninterrupted, tmp_path
+):
+    file = tmp_path / FILE
+    js.save_results(uninterrupted.assign(best_known=("scenario", [1e6, np.nan])), file)
+    *_, told = run("report", file, "--output", tmp_path)[2].splitlines()[:-1]
+    assert told.startswith("scenario-1: run ")
+    assert told.endswith(f"; `python experiments/best_known.py --results {file}` keeps it")
+
+
+@pytest.mark.parametrize("named", [[], ["scenario-3"]])
+def test_random_scenes_are_compared_alone_or_beside_others(
+    run, tmp_path, monkeypatch, scenarios, named
+):
+    def draw(seed, obstacles):
+        return scenarios[0].model_copy(update={"name": f"random-{seed}-{obstacles}"})
+
+    def compared(chosen, *_, **__):
+        seen.extend(getattr(each, "name", each) for each in chosen)
+        raise KeyboardInterrupt
+
+    seen: list[str] = []
+    monkeypatch.setattr("jaxsusp.studies.random_scenario.random_scenario", draw)
+    monkeypatch.setattr(comparison, "compare", compared)
+    options = ["--scenarios", ",".join(named)] if named else []
+    code, out, err = run("compare", "--random", "2", *options, "--output", tmp_path / "new")
+    assert (code, out) == (130, "")
+    assert seen == [*named, "random-0-5", "random-1-5"]
+    assert err.splitlines()[:2] == ["drawing random-0-5", "drawing random-1-5"]
+
+
+@pytest.mark.usefixtures("quick_pictures")
 def test_the_papers_ratios_are_shown_only_beside_ours(run, saved, uninterrupted, tmp_path):
     _, out, _ = run("report", saved, "--output", tmp_path / "one")
     assert "SDBO / DBO" not in out
@@ -186,6 +230,7 @@ def test_help_shows_an_example(run, command):
     ("arguments", "message"),
     [
         (["compare", "--runs", "0"], "runs = 0: give a whole number of at least 1"),
+        (["compare", "--random", "0"], "random = 0: give a whole number of at least 1"),
         (["compare", "--runs", "-1"], "runs = -1: give a whole number of at least 1"),
         (["compare", "--runs", "x"], "'--runs': 'x'; give a whole number"),
         (["compare", "--seed", "1.5"], "'--seed': '1.5'; give a whole number"),
@@ -203,7 +248,7 @@ def test_help_shows_an_example(run, command):
         (["compare", "--algorithms", ""], "algorithms: none given"),
         (["compare", "--algorithms", "ga,ga"], "'ga' is repeated"),
         (["compare", "--search", "foo"], "search = 'foo' is not known"),
-        (["compare", "--budget", "time"], "budget = 'time' is not known"),
+        (["compare", "--budget", "times"], "budget = 'times' is not known"),
         (["compare", "--output", "broken.toml"], "output = broken.toml: is a file, not a folder"),
         (["compare", "--output", "old", "--resume"], "cannot be resumed, it differs in"),
         (["compare", "--colour"], "No such option: --colour"),

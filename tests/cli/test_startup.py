@@ -55,7 +55,7 @@ def test_the_version_is_that_of_the_package():
         ("compare --scenarios scenario-1,scenario-9", "scenario-9: is neither"),
         ("compare --algorithms pso,sdob", 'did you mean "sdbo"'),
         ("compare --search boxx", 'did you mean "box"'),
-        ("compare --budget time", "choose from evaluations, iterations"),
+        ("compare --budget times", "choose from evaluations, iterations, time"),
         ("plan scenario-1 --algorithm psoo", 'did you mean "pso"'),
         ("plan scenario-1 --ends place", 'did you mean "placed"'),
         ("plan scenario-1 --coordination jonit", 'did you mean "joint"'),

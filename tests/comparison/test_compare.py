@@ -90,6 +90,7 @@ def test_dataset_has_the_documented_layout(two):
     assert two["term"].values.tolist() == list(results.TERMS)
     assert two["axis"].values.tolist() == ["x", "y", "z"]
     assert set(two.data_vars) == set(results.VARIABLES)
+    assert two["best_known"].values.tolist() == [js.best_known(name) for name in SCENARIOS]
     for name, variable in results.VARIABLES.items():
         assert two[name].dims == variable.dims
         assert two[name].dtype == variable.dtype
@@ -154,6 +155,7 @@ def test_evaluations_are_counted(fake):
     expected = {"pso": n * (t + 1), "ga": n * (t + 1), "dbo": n * (t + 1), "sdbo": n * (3 * t + 2)}
     ds = js.compare("scenario-1", **SMALL)
     assert dict(zip(ds["algorithm"].values, ds["evaluations"].values[0], strict=True)) == expected
+    assert ds["evaluations_initial"].values.tolist() == [[n, n, n, 2 * n]]
     assert (ds["iterations"] == t).all()
 
 
@@ -202,6 +204,58 @@ def test_an_algorithm_may_iterate_more_often_than_asked_for_its_budget(fake):
     assert ds["iterations"].values.tolist() == [24, 6]
     assert ds["history"].sel(algorithm="thrifty").notnull().all()
     assert ds["history"].sel(algorithm="pso").notnull().sum("iteration").values.tolist() == [[6, 6]]
+
+
+@pytest.fixture
+def paces(monkeypatch, fake):
+    """Seconds of an iteration by algorithm, instead of a clock; lists who was timed."""
+    seconds, timed = {"ga": 0.2, "pso": 0.1, "thrifty": 0.3}, []
+
+    def time_iteration(problems, optimizer, *_):
+        timed.append(optimizer.name)
+        return seconds[optimizer.name]
+
+    monkeypatch.setattr(workunit, "time_iteration", time_iteration)
+    return seconds, timed
+
+
+def test_a_budget_of_time_is_that_of_the_slowest(paces):
+    events = []
+    settings = {**SMALL, "budget": "time", "progress": events.append}
+    ds = js.compare("scenario-1", ("pso", "ga"), **settings)
+    assert ds["iterations"].values.tolist() == [12, 6]
+    assert ds["evaluations"].values.tolist() == [[8 * 13, 8 * 7]]
+    assert ds["history"].notnull().sum("iteration").values.tolist() == [[[12, 12], [6, 6]]]
+    assert [event.algorithm for event in events if event.phase == "timing"] == ["pso", "ga"]
+    assert results.time_allotted(ds)["seconds"] == pytest.approx(6 * 0.2 / 2)  # of two runs
+
+
+def test_a_measured_time_holds_when_a_comparison_goes_on(paces, fake, tmp_path):
+    seconds, timed = paces
+    settings = {**SMALL, "budget": "time", "output": tmp_path}
+    with pytest.raises(KeyboardInterrupt):
+        js.compare("scenario-1", ("pso", "ga"), **settings, progress=interrupt_after("pso"))
+    seconds |= {"pso": 7.0, "ga": 7.0}  # the machine is busy now
+    ds = js.compare("scenario-1", ("pso", "ga", thrifty()), **settings, resume=True)
+    assert timed == ["pso", "ga", "thrifty"]
+    assert ds["iterations"].values.tolist() == [12, 6, 4]
+    assert fake == [("pso", [0, 1]), ("ga", [0, 1]), ("thrifty", [0, 1])]
+    assert js.compare("scenario-1", "ga", **settings, resume=True).attrs == ds.attrs
+    anew = js.compare("scenario-1", "ga", **{**settings, "output": None})
+    with pytest.raises(
+        js.InputError, match=r"differ in the time measured for a run \(0.6 s and 21"
+    ):
+        js.append_results(ds, anew)
+
+
+def test_parts_of_another_measurement_are_not_put_into_an_old_file(paces, fake, tmp_path):
+    settings = {**SMALL, "budget": "time", "output": tmp_path}
+    js.compare("scenario-1", ("pso", "ga"), **settings)
+    paces[0]["ga"] = 0.4
+    with pytest.raises(KeyboardInterrupt):
+        js.compare("scenario-1", ("pso", "ga"), **settings, progress=interrupt_after("pso"))
+    ds = js.compare("scenario-1", ("pso", "ga"), **settings, resume=True)
+    assert ds["iterations"].values.tolist() == [24, 6]
 
 
 def test_what_is_not_finite_is_never_the_best(fake, monkeypatch):

@@ -142,6 +142,33 @@ def test_appending_other_settings_is_refused():
         append_results(made(), made(runs=(2,), seed=1))
 
 
+@pytest.mark.fast
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_lowest_value_known_holds(order):
+    def knowing(value, *runs):
+        return made(runs=runs).assign(best_known=("scenario", [value]))
+
+    assert merge([knowing(7.0, 0), knowing(6.0, 1)][::order])["best_known"] == 6.0
+    assert merge([knowing(7.0, 0), knowing(np.nan, 1)][::order])["best_known"] == 7.0
+    assert merge([knowing(np.nan, 0), knowing(np.nan, 1)][::order])["best_known"].isnull().all()
+
+
+def test_what_came_later_is_added_to_a_file_without_it(tmp_path):
+    one = made(runs=(0,), iterations=6, waypoints=5, samples=40)
+    settings = json.loads(one.attrs["settings"])
+    settings["scenarios"]["s"] = js.load_scenario("scenario-1").digest
+    one = one.assign_attrs(settings=json.dumps(settings))
+    one = one.assign(evaluations=0 * one["evaluations"] + 4 + 6 * 20)
+    one.drop_vars(["best_known", "evaluations_initial"]).to_netcdf(
+        tmp_path / "old.nc", engine="h5netcdf"
+    )
+    ds = load_results(tmp_path / "old.nc")
+    assert ds["best_known"] == js.best_known("scenario-1")
+    assert ds["evaluations_initial"] == 4
+    more = made(runs=(1,), iterations=6).assign_attrs(ds.attrs)
+    assert append_results(ds, more).sizes["run"] == 2
+
+
 # Files that are no comparison
 
 

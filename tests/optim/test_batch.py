@@ -10,6 +10,7 @@ from jaxsusp.optim import batch
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import run_key
 from jaxsusp.optim.registry import algorithm
+from jaxsusp.problem.problem import stack_problems
 
 # Candidates keep their arithmetic whatever the shape of the batch; only XLA's choice of fused
 # multiply-adds may differ between programs, which is a few units in the last place of float32.
@@ -78,3 +79,10 @@ def test_keys_are_those_of_the_specification():
         jax.random.fold_in(jax.random.key(7), zlib.crc32(b"sdbo-task")), 3
     )
     assert run_key(7, "sdbo-task", 3) == expected
+
+
+def test_an_iteration_takes_some_time():
+    """How much, the machine decides; that it is measured does not depend on it."""
+    problem = js.Problem(fitness=lambda x: (x**2).sum(axis=0), lower=[-1.0], upper=[1.0])
+    seconds = batch.time_iteration(stack_problems([problem]), js.pso(), 0, [0], 40, 30)
+    assert 0 < seconds < np.inf

@@ -16,7 +16,7 @@ def comparison() -> xr.Dataset:
     The fitness of algorithm a (0 … 3) in scenario s (0, 1) is base·(1, 2, 3, 6) with
     base = 100 (s + 1)·(4 - a): minimum base, maximum 6 base, mean 3 base, and squared deviations
     (4 + 1 + 0 + 9) base², so a sample variance of 14/3 base². Every run of dbo in scenario-1
-    collides, and so does the last run of everything.
+    collides, and so does the last run of everything. No best fitness is known.
     """
     base = 100.0 * np.array([1, 2])[:, None] * np.array([4, 3, 2, 1])
     fitness = base[..., None] * np.array([2.0, 1.0, 3.0, 6.0])
@@ -51,6 +51,8 @@ def comparison() -> xr.Dataset:
             "history": ((*by_run, "iteration"), history),
             "position": ((*by_pair, "sample", "axis"), position),
             "evaluations": (by_pair, np.tile([150, 150, 150, 300], (2, 1))),
+            "evaluations_initial": (by_pair, np.zeros((2, 4), int)),
+            "best_known": ("scenario", [np.nan, np.nan]),
             "curvature_radius": (by_pair, np.tile([1.0, 2.0, 8.0, 4.0], (2, 1))),
             "obstacles": ("scenario", [6, 10]),
             "iterations": ("algorithm", [5, 5, 5, 3]),

@@ -6,6 +6,7 @@ import pytest
 
 import jaxsusp as js
 from jaxsusp.scenario.world import build_world
+from jaxsusp.studies import random_scenario
 from jaxsusp.studies.random_scenario import blocked, solvable
 
 
@@ -42,6 +43,21 @@ def test_a_seed_gives_one_scene():
     assert len(other.obstacles) == 3
 
 
+@pytest.mark.fast
+def test_a_series_is_the_same_for_every_count_and_gets_harder(scenarios, monkeypatch):
+    def draw(seed, obstacles):
+        return scenarios[0].model_copy(update={"name": f"random-{seed}-{obstacles}"})
+
+    monkeypatch.setattr(random_scenario, "random_scenario", draw)
+    told = []
+    five = js.random_scenarios(5, lambda name, number: told.append((number, name)))
+    names = ["random-0-5", "random-1-5", "random-2-6", "random-3-6", "random-4-7"]
+    assert [scene.name for scene in five] == names
+    assert told == [*enumerate(names)]
+    assert js.random_scenarios(3) == five[:3]
+    assert js.random_scenarios(0) == ()
+
+
 def test_open_and_hopeless_scenes_are_told_apart(scenarios):
     open_field = scenarios[0].model_copy(update={"obstacles": ()})
     assert not blocked(open_field)
@@ -67,3 +83,10 @@ def test_open_and_hopeless_scenes_are_told_apart(scenarios):
 def test_bad_numbers_are_refused(arguments, message):
     with pytest.raises(js.InputError, match=message):
         js.random_scenario(*arguments)
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("count", [-1, 1993])
+def test_bad_counts_are_refused(count):
+    with pytest.raises(js.InputError, match=f"count = {count}: give a whole number from 0"):
+        js.random_scenarios(count)

@@ -14,6 +14,7 @@ from jaxsusp.report.drawing.style import (
     Style,
     heading,
     legend,
+    line_sample,
     log_axis,
     panels,
     picture,
@@ -29,9 +30,9 @@ _HUGE = 1e300
 def convergence(ds: xr.Dataset) -> Figure:
     """Best fitness so far against evaluations: median over the runs, quartiles as a band.
 
-    An algorithm spends its `evaluations` evenly over the iterations that it ran, so algorithms
-    that evaluate more per iteration reach further to the right. The view is cut where the steep
-    beginning would squeeze the rest.
+    After the initial population an algorithm spends its `evaluations` evenly over the iterations
+    that it ran, so algorithms that evaluate more per iteration reach further to the right. The view
+    is cut where the steep beginning would squeeze the rest.
     """
     names, scenarios = _names(ds)
     figure = picture(12.0, 3.4 * -(-len(scenarios) // 3) + 1)
@@ -52,7 +53,7 @@ def convergence(ds: xr.Dataset) -> Figure:
         panel.set_xlabel("fitness evaluations per run", fontsize=10, color=INK)
     figure.supylabel("best fitness so far", fontsize=10, color=INK)
     heading(figure, f"Convergence: median and quartiles of {ds.sizes['run']} runs")
-    legend(figure, [_sample(style) for style in look.values()])
+    legend(figure, [line_sample(style) for style in look.values()])
     return figure
 
 
@@ -115,7 +116,9 @@ def _draw_history(axes: Axes, cell: xr.Dataset, style: Style) -> None:
     history = history[~np.isnan(history).all(axis=1)]
     if len(history) == 0:
         return
-    spent = cell["evaluations"].item() * np.arange(1, len(history) + 1) / len(history)
+    initial = cell["evaluations_initial"].item()
+    share = np.arange(1, len(history) + 1) / len(history)
+    spent = initial + (cell["evaluations"].item() - initial) * share
     low, middle, high = np.where(np.isinf(band := quartiles(history)), np.nan, band)
     axes.fill_between(spent, low, high, color=style.color, alpha=0.16, linewidth=0)
     axes.plot(
@@ -152,13 +155,6 @@ def _draw_runs(axes: Axes, place: int, cell: xr.Dataset, style: Style) -> None:
             x[mask], fitness[mask], s=17, marker=style.marker, facecolor=face,
             edgecolor=style.color, linewidth=0.9, zorder=3,
         )  # fmt: skip
-
-
-def _sample(style: Style) -> Line2D:
-    """What the legend shows of an algorithm's line."""
-    return Line2D(
-        [], [], color=style.color, ls=style.dash, lw=1.8, marker=style.marker, label=style.label
-    )
 
 
 def _names(ds: xr.Dataset) -> tuple[list[str], list[str]]:

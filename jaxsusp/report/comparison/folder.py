@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.figure import Figure
 
 from jaxsusp._files import write_text
 from jaxsusp.errors import ScenarioError
-from jaxsusp.report.comparison import figures, statistics, tables
+from jaxsusp.report.comparison import figures, gaps, statistics, tables, targets
 from jaxsusp.report.drawing import scene as scene3d
 from jaxsusp.report.drawing.style import save
 from jaxsusp.report.render import to_csv, to_markdown
@@ -22,20 +23,38 @@ TABLES: dict[str, Callable[[xr.Dataset], pd.DataFrame]] = {
     "comparison": tables.comparison_table,
     "ratios": tables.ratio_table,
     "stability": tables.stability_table,
+    "gap-summary": gaps.gap_summary,
+    "gap": gaps.gap_table,
     "pairwise": statistics.pairwise,
     "medians": statistics.medians,
     "ranks": statistics.mean_ranks,
 }
 
-PRINTED = ("comparison", "ratios", "stability")
-"""Tables that the command line prints; the others are only written."""
+MOST_DRAWN = 12
+"""Scenarios up to which there is a picture, and a panel of convergence and fitness, of each."""
+
+
+def printed(ds: xr.Dataset, gap: bool) -> tuple[str, ...]:
+    """Tables that the command line prints; the others are only written.
+
+    Args:
+        ds: a comparison. Of many scenarios (more than `MOST_DRAWN`) the summary stands for the
+            rest.
+        gap: whether the distances from the best known fitness were asked for.
+    """
+    asked = ("gap-summary", "gap") if gap else ()
+    if ds.sizes["scenario"] > MOST_DRAWN:
+        return asked or ("gap-summary",)
+    return ("comparison", "ratios", "stability", *asked)
 
 
 def build_tables(ds: xr.Dataset) -> dict[str, pd.DataFrame]:
-    """All tables that this comparison has something to say in."""
+    """All tables that this comparison has something to say in; each names the budget."""
     built = {name: build(ds) for name, build in TABLES.items()}
     if not tables.has_ratios(built["ratios"]):
         del built["ratios"]
+    for frame in built.values():
+        frame.attrs["caption"] = f"{frame.attrs['caption']} {tables.budget(ds)}".strip()
     return {name: frame for name, frame in built.items() if not frame.empty}
 
 
@@ -49,7 +68,8 @@ def write_report(
     Args:
         ds: a whole comparison; its scenarios are drawn from the files embedded in it.
         folder: created where missing.
-        told: called with a sentence for every picture that cannot be drawn.
+        told: called with a sentence for every picture that cannot be drawn, and where there are
+            too many scenarios for pictures of each.
 
     Returns:
         The files written.
@@ -61,9 +81,29 @@ def write_report(
         to_csv(frame, folder / f"{name}.csv")
         write_text(folder / f"{name}.md", to_markdown(frame))
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
-    for name, draw in (("convergence", figures.convergence), ("fitness", figures.fitness_boxes)):
-        save(draw(ds), folder / f"{name}.png")
-        files.append(folder / f"{name}.png")
+    few = ds.sizes["scenario"] <= MOST_DRAWN
+    for name, draw in _FIGURES.items() if few else [("ecdf", targets.running_times)]:
+        figure = draw(ds)
+        if figure is not None:
+            save(figure, folder / f"{name}.png")
+            files.append(folder / f"{name}.png")
+    if few:
+        return files + _draw_scenes(ds, folder, told)
+    count = ds.sizes["scenario"]
+    told(f"{count} scenarios: pictures of each are drawn where there are at most {MOST_DRAWN}")
+    return files
+
+
+_FIGURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
+    "convergence": figures.convergence,
+    "fitness": figures.fitness_boxes,
+    "ecdf": targets.running_times,
+}
+
+
+def _draw_scenes(ds: xr.Dataset, folder: Path, told: Callable[[str], None]) -> list[Path]:
+    """A picture of every scenario with the best trajectories in it."""
+    files = []
     texts = json.loads(ds.attrs.get("scenario_files", "{}"))
     for name, stem in zip(names := ds["scenario"].values.tolist(), _stems(names), strict=True):
         picture = folder / f"{stem}.png"
@@ -81,7 +121,7 @@ def write_report(
 
 def _stems(names: Sequence[str]) -> list[str]:
     """File names of pictures: the scenarios' own as far as they are plain and not taken."""
-    taken, stems = {"convergence", "fitness"}, []
+    taken, stems = {*_FIGURES}, []
     for name in names:
         plain = re.sub(r"[^\w.-]+", "-", name).strip("-.")[:60] or "scenario"
         candidates = (plain, *(f"{plain}-{number}" for number in range(2, len(names) + 4)))

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jaxsusp.report.comparison import paper
+from jaxsusp.report.comparison import gaps, paper
 from jaxsusp.report.render import Cell, Column, Footnote, duration
 
-_SMALLEST_IS_BEST = ("min", "max", "average", "std", "length", "height", "runtime")
+_SMALLEST_IS_BEST = ("min", "max", "average", "std", "length", "height", "runtime", "gap")
 _LARGEST_IS_BEST = ("curvature_radius", "clear")
 
 
@@ -28,13 +28,13 @@ def summary(ds: xr.Dataset) -> xr.Dataset:
         ds: a whole comparison. A NaN fitness means "no such run", +inf a run that found nothing.
 
     Returns:
-        The variables of `paper.UNITS`, and `obstacles`, `evaluations`, `clear` (runs without any
-        collision or violation) and `runs`. One run has no standard deviation: NaN.
+        The variables of `paper.UNITS`, and `obstacles`, `evaluations`, `gap` (mean over the runs,
+        in %, NaN where no best fitness is known), `clear` (runs without any collision or violation)
+        and `runs`. One run has no standard deviation: NaN.
     """
     fitness = ds["fitness"]
     ran = fitness.notnull()
     best = ds["terms"].isel(run=fitness.fillna(np.inf).argmin("run"))
-    clear = ran & (ds["collisions"] == 0) & (ds["violations"] == 0)
     with np.errstate(invalid="ignore"):  # the deviation of +inf is NaN, which is what to report
         std = fitness.std("run", ddof=1)
     metrics = {
@@ -48,21 +48,24 @@ def summary(ds: xr.Dataset) -> xr.Dataset:
         "curvature_radius": ds["curvature_radius"],
         "runtime": ds["seconds_run"] / ran.sum(("scenario", "run")),
         "evaluations": ds["evaluations"],
-        "clear": clear.sum("run"),
+        "gap": gaps.mean_gap(ds),
+        "clear": gaps.clear_runs(ds).sum("run"),
         "runs": ran.sum("run"),
     }
     return xr.Dataset(metrics).drop_vars("run", errors="ignore")
 
 
 def comparison_table(ds: xr.Dataset) -> pd.DataFrame:
-    """Our Table 1: one row per scenario and algorithm, the paper's columns and three more.
+    """Our Table 1: one row per scenario and algorithm, the paper's columns and four more.
 
     Returns:
         Columns scenario, obstacles, algorithm, the paper's metrics (`paper.UNITS`), evaluations
-        per run, and of how many runs (`runs`) how many are violation-free (`clear`).
+        per run, the mean `gap` above the best known fitness in % (where one is known), and of how
+        many runs (`runs`) how many are violation-free (`clear`).
     """
-    ours = ["evaluations", "clear", "runs"]
     metrics = summary(ds)
+    known = bool(metrics["gap"].notnull().any())
+    ours = ["evaluations", *["gap"] * known, "clear", "runs"]
     frame = _flat(metrics, ["scenario", "obstacles", "algorithm", *paper.UNITS, *ours])
     compiled = ", ".join(
         f"{name} {duration(seconds)}" for name, seconds in ds["seconds_compile"].to_series().items()
@@ -74,7 +77,8 @@ def comparison_table(ds: xr.Dataset) -> pd.DataFrame:
         "Fitness over all runs (std with n − 1); length, height and median curvature radius of "
         "the best run; evals: fitness evaluations per run; clear: runs without any collision or "
         "violation. One batch holds all runs of all scenarios, so a run time is one run's share of "
-        f"its batch. Compilation, once per batch and not included: {compiled}. {_search(ds)}"
+        f"its batch. Compilation, once per batch and not included: {compiled}. "
+        f"{(gaps.GAP + ' Mean over the runs. ') * known}{_search(ds)}"
     ).strip()
     return frame
 
@@ -135,6 +139,29 @@ def stability_table(ds: xr.Dataset) -> pd.DataFrame:
         "stability factor in the window and was scaled. Kept: the beetle became better by it."
     )
     return frame
+
+
+def budget(ds: xr.Dataset) -> str:
+    """A sentence on what all algorithms got equally much of, "" where the dataset does not tell."""
+    settings = json.loads(ds.attrs.get("settings", "{}"))
+    rule = settings.get("budget")
+    if rule == "iterations":
+        return f'Budget: {settings["iterations"]:,} iterations (budget = "iterations").'
+    made = ds["iterations"].to_series()
+    iterations = ", ".join(f"{name} {count:,}" for name, count in made.items())
+    if rule == "evaluations":
+        allowed = settings["population"] * (settings["iterations"] + 1)
+        return (
+            f'Budget: {allowed:,} fitness evaluations (budget = "evaluations"), whole iterations: '
+            f"{iterations}."
+        )
+    if rule == "time":
+        return (
+            f"Budget: the time that the slowest takes for {settings['iterations']:,} iterations "
+            '(budget = "time"), measured on one machine, on which all numbers depend; iterations '
+            f"made in it: {iterations}."
+        )
+    return ""
 
 
 def _search(ds: xr.Dataset) -> str:

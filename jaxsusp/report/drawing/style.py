@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imsave
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from jaxsusp._files import atomic_path
@@ -45,6 +46,9 @@ CABLES = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#8B5A2B")
 
 PATH = "#C43C00"
 """The load's way, and limits."""
+
+SPARE_MARKERS = ("X", "*", "h", "<", ">")
+"""Their markers, so that lines can be told apart in grey, too."""
 
 _MARKERS = {"pso": "o", "ga": "s", "dbo": "^", "sdbo": "D", "dbo-task": "v", "sdbo-task": "P"}
 
@@ -92,11 +96,12 @@ def styles(algorithms: Iterable[str]) -> dict[str, Style]:
     names = list(algorithms)
     strangers = [name for name in names if name not in PALETTE]
     spare = {name: CYCLE[i % len(CYCLE)] for i, name in enumerate(strangers)}
+    markers = {name: SPARE_MARKERS[i % len(SPARE_MARKERS)] for i, name in enumerate(strangers)}
     return {
         name: Style(
             label=label(name),
             color=PALETTE.get(name) or spare[name],
-            marker=_MARKERS.get(name, "X"),
+            marker=_MARKERS.get(name) or markers[name],
             dash="--" if name.endswith("-task") else "-",
         )
         for name in names
@@ -109,6 +114,13 @@ def label(algorithm: str) -> str:
         return algorithm
     head, *tail = algorithm.split("-")
     return "-".join([head.upper(), *tail])
+
+
+def line_sample(style: Style) -> Line2D:
+    """What a legend shows of an algorithm's line."""
+    return Line2D(
+        [], [], color=style.color, ls=style.dash, lw=1.8, marker=style.marker, label=style.label
+    )
 
 
 def subscript(number: int) -> str:
