@@ -22,10 +22,10 @@ SAFE = 2e-5
 """m by which a distance must fall short before it counts as short: a certificate rounds by 1e-6 m,
 and mesh vertices are single precision."""
 
-STEPS = 20
+STEPS = 16
 """Halvings in the search for the place of a cable that is nearest to an obstacle."""
 
-_CHUNK = 16384  # points at a time, so that intermediate results stay in the processor's cache
+_CHUNK = 8192  # points at a time, so that intermediate results stay in the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +43,11 @@ class Forbidden:
 
     def __len__(self) -> int:
         return len(self.owner)
+
+    def name(self, body: int) -> str:
+        """The obstacle, and what comes too near to it."""
+        who = "load" if self.cable[body] < 0 else f"cable {self.cable[body] + 1}"
+        return f"{self.names[self.owner[body]]} ({who})"
 
     def room(
         self,
@@ -64,18 +69,27 @@ class Forbidden:
             found[part] = self._room(points[part], body[part], inner)
         return found
 
-    def least(self, points: Float[np.ndarray, "n 3"]) -> tuple[np.ndarray, np.ndarray]:
-        """Room (n,) (m) of positions in view of everything, and the body that leaves the least."""
-        bodies = np.tile(np.arange(len(self)), len(points))
-        rooms = self.room(np.repeat(points, len(self), axis=0), bodies).reshape(len(points), -1)
-        return rooms.min(axis=1), rooms.argmin(axis=1)
+    def least(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+        """Room (m) of positions in view of everything."""
+        return self._each(points).min(axis=1, initial=np.inf)
+
+    def _each(self, points: np.ndarray) -> np.ndarray:
+        """Room (m) of positions in view of every body, (n, bodies)."""
+        shape, bodies = (len(points), len(self)), np.tile(np.arange(len(self)), len(points))
+        return self.room(np.repeat(points, len(self), axis=0), bodies).reshape(shape)
 
     def without(self, obstacles: set[int]) -> "Forbidden":
         """The same where some obstacles are taken away."""
-        kept = ~np.isin(self.owner, [*obstacles])
-        return Forbidden(
-            self.names, self.owner[kept], self.cable[kept], self.columns[:, kept]
-        )
+        return self._some(~np.isin(self.owner, [*obstacles]))
+
+    def nearby(self, points: Float[np.ndarray, "n 3"], reach: float) -> "Forbidden":
+        """Those that some point comes near to: so much (m) beyond the least room, at most."""
+        rooms = self._each(points)
+        least = rooms.min(axis=1, keepdims=True, initial=np.inf)
+        return self._some((rooms <= least + reach).any(axis=0))
+
+    def _some(self, kept: np.ndarray) -> "Forbidden":
+        return Forbidden(self.names, self.owner[kept], self.cable[kept], self.columns[:, kept])
 
     def _room(self, points: np.ndarray, body: np.ndarray, inner: bool) -> np.ndarray:
         found = np.empty(len(points))

@@ -11,9 +11,9 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int, UInt64
-from scipy import ndimage
+from jaxtyping import Bool, Float, UInt64
 
+from jaxsusp.freespace.cellways import Cell, cell_of, joined
 from jaxsusp.freespace.forbidden import Forbidden
 from jaxsusp.freespace.polyhedra import Point
 
@@ -27,7 +27,6 @@ NAMED = 63
 """Obstacles that are told apart in a cell; those beyond share the last bit."""
 
 _EIGHT = np.array([*product((0, 1), repeat=3)])
-_TOUCHING = np.ones((3, 3, 3), bool)
 
 
 class Cells(NamedTuple):
@@ -37,8 +36,8 @@ class Cells(NamedTuple):
     size: Point  # of a cell, m
     blocked: UInt64[np.ndarray, "x y z"]  # which obstacles hold the whole cell, a bit each
     free: Bool[np.ndarray, "x y z"]  # whether it is clear as a whole
-    start: tuple[int, int, int]
-    goal: tuple[int, int, int]
+    start: Cell
+    goal: Cell
 
     @property
     def diagonal(self) -> float:
@@ -56,24 +55,15 @@ class Cells(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """"blocked": no way exists; "open": one does; "undecided" at this size of cells."""
-        if not self.connected(self.open):
+        """No way exists: "blocked"; one does: "open"; or "undecided" at this size of cells."""
+        if not joined(self.open, self.start, self.goal):
             return "blocked"
-        return "open" if self.connected(self.free) else "undecided"
+        return "open" if joined(self.free, self.start, self.goal) else "undecided"
 
-    def connected(self, cells: Bool[np.ndarray, "x y z"]) -> bool:
-        """Whether some of the cells join start and goal."""
-        parts = ndimage.label(cells, _TOUCHING)[0]
-        return parts[self.start] > 0 and parts[self.start] == parts[self.goal]
-
-    def reached(self, cells: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
-        """Those of the cells that are joined to the start."""
-        parts = ndimage.label(cells, _TOUCHING)[0]
-        return (parts == parts[self.start]) & cells
-
-    def centers(self, index: Int[np.ndarray, "n 3"]) -> np.ndarray:
-        """Centres of cells (m)."""
-        return self.lower + (index + 0.5) * self.size
+    @property
+    def centers(self) -> Float[np.ndarray, "x y z 3"]:
+        """Centres of the cells (m)."""
+        return self.lower + (np.moveaxis(np.indices(self.blocked.shape), 0, -1) + 0.5) * self.size
 
     @property
     def words(self) -> str:
@@ -100,14 +90,14 @@ def subdivide(
     sides = upper - lower
     count = np.maximum(1, np.ceil(COARSEST * sides / sides.max() - 1e-9)).astype(int)
     index = np.indices(count).reshape(3, -1).T
-    pairs = np.repeat(index, len(forbidden), axis=0), np.tile(range(len(forbidden)), len(index))
+    pairs = np.repeat(index, len(forbidden), axis=0), np.tile(np.arange(len(forbidden)), len(index))
     blocked, along = np.zeros(count, np.uint64), COARSEST
     while True:
         size = sides / blocked.shape
         pairs = _look(forbidden, lower, size, blocked, *pairs, all_obstacles)
         near = np.zeros(blocked.shape, bool)
         near[tuple(pairs[0].T)] = True
-        ends = (_cell_of(place, lower, size, blocked.shape) for place in (start, goal))
+        ends = (cell_of(place, lower, size, blocked.shape) for place in (start, goal))
         cells = Cells(lower, size, blocked, ~near & (blocked == 0), *ends)
         done = not all_obstacles and cells.verdict != "undecided"
         if done or 2 * along > finest or 8 * len(pairs[1]) > PAIRS:
@@ -133,9 +123,3 @@ def _look(forbidden, lower, size, blocked, index, body, all_obstacles):
     known = blocked[tuple(index.T)]
     rest = (known & bits if all_obstacles else known) == 0
     return index[rest], body[rest]
-
-
-def _cell_of(place: Point, lower: Point, size: Point, shape: tuple[int, ...]):
-    """The cell that holds a place."""
-    found = np.clip(((place - lower) / size).astype(int), 0, np.array(shape) - 1)
-    return tuple(found.tolist())
