@@ -53,8 +53,8 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
     for name, place in (("task.start", scenario.task.start), ("task.goal", scenario.task.goal)):
         if scenario.payload.attachments != "hook" and (trouble := hanging_trouble(scenario, place)):
             raise ImpossibleTaskError(
-                f"{scenario.name}: no plan is possible: at {name} {in_words(place)} {trouble}; move "
-                "the task, the ends or the attachments, or raise limits.posture_deg"
+                f"{scenario.name}: no plan is possible: at {name} {in_words(place)} {trouble}; "
+                "move the task, the ends or the attachments, or raise limits.posture_deg"
             )
         _require_reach(scenario, name, place)
         tensions = static_tensions(scenario, np.array([place], np.float64))[0]
@@ -82,8 +82,8 @@ def _require_reach(scenario: Scenario, name: str, place: Sequence[float]) -> Non
             away = np.linalg.norm(end - np.asarray(robots.shoulder.to_array())[k])
             raise ImpossibleTaskError(
                 f"{scenario.name}: no plan is possible: at {name} {in_words(place)} drive = "
-                f'"{scenario.drive}" takes the end of robot {k + 1} to {in_words(end)}, {away:.4g} m '
-                f"from its shoulder; its arm reaches {float(robots.nearest[k]):g} to "
+                f'"{scenario.drive}" takes the end of robot {k + 1} to {in_words(end)}, '
+                f"{away:.4g} m from its shoulder; its arm reaches {float(robots.nearest[k]):g} to "
                 f"{float(robots.farthest[k]):g} m and keeps {AXIS:g} m off its own axis; move the "
                 "task, the end or the base"
             )

@@ -5,23 +5,24 @@ that would have to go; a proof that no roomy one does; tensions that fail on eve
 the best attempt failed by. Regions of free space that do not connect start and goal prove nothing.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.build import free_space
-from jaxsusp.freespace.forbidden import Forbidden, forbidden_of
-from jaxsusp.freespace.passage import beside, narrowest_place
-from jaxsusp.freespace.removal import least_removal
+from jaxsusp.freespace.cells.forbidden import Forbidden, forbidden_of
+from jaxsusp.freespace.cells.passage import beside, narrowest_place
+from jaxsusp.freespace.cells.removal import least_removal
+from jaxsusp.freespace.cells.subdivision import FINEST, Cells, subdivide
 from jaxsusp.freespace.space import FreeSpace
-from jaxsusp.freespace.subdivision import FINEST, Cells, subdivide
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.feasibility import ImpossibleTaskError, in_words, worst_tension
-from jaxsusp.planning.heldway import HOOK, SEPARATE, least_excess
 from jaxsusp.planning.plan import Plan
 from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
+from jaxsusp.suspension.heldway import HOOK, SEPARATE, least_excess
 
 FINER = {"coverage": 0.99, "limit": 400}
 """Settings of `free_space` for regions that look into smaller corners."""
@@ -86,6 +87,14 @@ def require_way(scenario: Scenario, ends: str = "given") -> None:
         raise ImpossibleTaskError(_blocked(scenario, fixed, cells).text)
 
 
+def explained(plan: Plan, ends: str) -> Plan:
+    """An infeasible plan with what stands in its way as the first of its reasons."""
+    if plan.feasible:
+        return plan
+    refusal = why_not(plan.scenario, ends, plan=plan)
+    return replace(plan, reasons=(refusal.text, *plan.reasons))
+
+
 def _box(scenario: Scenario) -> tuple[np.ndarray, ...]:
     """Where a plan may take the load's centre, and the task (m)."""
     box, task = scenario.workspace, scenario.task
@@ -100,22 +109,22 @@ def _cells(scenario: Scenario, forbidden: Forbidden, finest: int = FINEST) -> Ce
 
 def _blocked(scenario: Scenario, fixed: bool, cells: Cells) -> Refusal:
     """What is proved, what has to go, and what else could help."""
-    gone, cells = least_removal(forbidden_of(scenario, fixed), *_box(scenario), cells)
-    names = tuple(forbidden_of(scenario).names[i] for i in sorted(gone or ()))
-    what = "load or a cable" if fixed else "load"
+    forbidden = forbidden_of(scenario, fixed)
+    gone, opens, cells = least_removal(forbidden, *_box(scenario), cells)
+    names = tuple(forbidden.names[i] for i in sorted(gone or ()))
     text = (
         f"{scenario.name}: no plan is possible: every way from task.start "
         f"{in_words(scenario.task.start)} to task.goal {in_words(scenario.task.goal)} takes the "
-        f"{what} closer than limits.clearance = {scenario.limits.clearance:g} m to an obstacle, as "
-        f"cells of {cells.words} prove"
+        f"load{' or a cable' if fixed else ''} closer than limits.clearance = "
+        f"{scenario.limits.clearance:g} m to an obstacle, as cells of {cells.words} prove"
     )
     if names:
         count = "1 obstacle" if len(names) == 1 else f"{len(names)} obstacles"
-        text += f"; at least {count} must go or move, {' and '.join(names)} would do"
-    alone = fixed and _cells(scenario, forbidden_of(scenario, False)).verdict != "blocked"
-    remedy = "take them away, or move the task"
-    if alone:
-        remedy = 'the load alone is not blocked: let ends = "placed" or move the ends, or ' + remedy
+        after = "there is a way" if opens else "no cells prove that"
+        text += f"; at least {count} must go; without {' and '.join(names)} {after}"
+    remedy = "move obstacles or the task"
+    if fixed and _cells(scenario, forbidden_of(scenario, False)).verdict != "blocked":
+        remedy = f'the load alone is not blocked: move the ends, let ends = "placed", or {remedy}'
     return Refusal("proved blocked", f"{text}; {remedy}", names, float(cells.size.max()))
 
 
@@ -186,8 +195,7 @@ def _regions(scenario: Scenario, space: FreeSpace | None) -> list[Refusal]:
     except InputError as error:  # an end of a cable stands in a warning area
         return [Refusal("regions do not connect", str(error))]
     text = (
-        f"a way is known to exist, but {len(space.d)} convex regions do not "
-        "join start and goal; "
+        f"a way is known to exist, but {len(space.d)} convex regions do not join start and goal; "
     )
     if finer.connected:
         text += f"with coverage = {FINER['coverage']} they do"

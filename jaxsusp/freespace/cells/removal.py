@@ -1,4 +1,4 @@
-"""The smallest set of obstacles whose removal opens a way: minimum constraint removal (Hauser 2014).
+"""The fewest obstacles whose removal opens a way: minimum constraint removal (Hauser 2014).
 
 Exact in the cells of a subdivision: every BLOCKED cell knows the obstacles that hold it as a whole,
 and a set of obstacles opens the cells that no other obstacle holds. Sets grow, the smallest first,
@@ -8,26 +8,35 @@ As a BLOCKED cell is a proof, fewer obstacles than are found never suffice.
 """
 
 import heapq
+from typing import NamedTuple
 
 import numpy as np
 from scipy import ndimage
 
-from jaxsusp.freespace.cellways import reached
-from jaxsusp.freespace.forbidden import Forbidden
+from jaxsusp.freespace.cells.forbidden import Forbidden
+from jaxsusp.freespace.cells.subdivision import NAMED, Cells, subdivide
+from jaxsusp.freespace.cells.ways import reached
 from jaxsusp.freespace.polyhedra import Point
-from jaxsusp.freespace.subdivision import FINEST, NAMED, Cells, subdivide
 
 MOST_SETS = 200
 """Sets of obstacles that are looked at before giving up."""
 
 
+class Removal(NamedTuple):
+    """Obstacles to take away."""
+
+    obstacles: set[int] | None  # None: given up
+    opens: bool  # whether a way is proved to exist without them
+    cells: Cells  # that prove that fewer do not suffice
+
+
 def least_removal(
     forbidden: Forbidden, lower: Point, upper: Point, start: Point, goal: Point, cells: Cells
-) -> tuple[set[int] | None, Cells]:
-    """Obstacles to take away, and the cells that say so.
+) -> Removal:
+    """The fewest obstacles to take away where cells prove that no way joins two positions.
 
-    Where cells that were fine enough to prove a task blocked do not prove that what is left after
-    the removal is blocked, but finer ones do, the search begins again with those.
+    Where finer cells prove that what is left after the removal is blocked as well, the search
+    begins again with those.
 
     Args:
         forbidden: everything that is forbidden.
@@ -35,22 +44,22 @@ def least_removal(
         upper: the opposite corner (m).
         start: a position (m).
         goal: another (m).
-        cells: that prove that no way joins them.
+        cells: the proof.
 
     Returns:
-        Numbers of obstacles, and the cells they were found in; None where there are too many sets
-        to look at, or obstacles beyond those that cells tell apart are among them.
+        Numbers of obstacles; none where there are too many sets to look at, or obstacles that
+        cells do not tell apart are among them.
     """
     along = max(cells.blocked.shape)
     while True:
         cells = subdivide(forbidden, lower, upper, start, goal, along, all_obstacles=True)
         found = smallest_opening(cells)
         if found is None or NAMED in found:
-            return None, cells
-        left = subdivide(forbidden.without(found), lower, upper, start, goal, FINEST)
+            return Removal(None, False, cells)
+        left = subdivide(forbidden.without(found), lower, upper, start, goal)
         finer = max(left.blocked.shape)
         if left.verdict != "blocked" or finer <= max(cells.blocked.shape):
-            return found, cells
+            return Removal(found, left.verdict == "open", cells)
         along = finer
 
 

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, UInt64
 
-from jaxsusp.freespace.cellways import Cell, cell_of, joined
-from jaxsusp.freespace.forbidden import Forbidden
+from jaxsusp.freespace.cells.forbidden import Forbidden
+from jaxsusp.freespace.cells.ways import Cell, cell_of, joined
 from jaxsusp.freespace.polyhedra import Point
 
 COARSEST, FINEST = 8, 128

@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxsusp.freespace.build import free_space
-from jaxsusp.freespace.cellways import cell_of, shortest, widest
-from jaxsusp.freespace.forbidden import Forbidden, forbidden_of
+from jaxsusp.freespace.cells.forbidden import Forbidden, forbidden_of
+from jaxsusp.freespace.cells.ways import cell_of, shortest, widest
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
@@ -44,8 +44,8 @@ class Passage(NamedTuple):
             return "no obstacle narrows the way"
         where = f"({', '.join(f'{c:.2f}' for c in self.place)})"
         return (
-            f"narrowest place of the widest way: {self.width:.3f} m, at most "
-            f"{self.width + self.error:.3f} m, at {self.end or 'the load position'} {where}, by "
+            f"the widest way is narrowest at {self.end or 'the load position'} {where}: "
+            f"{self.width:.3f} to {self.width + self.error:.3f} m, by "
             f"{' and '.join(self.between)}; {which[self.only]}"
         )
 
@@ -177,9 +177,9 @@ _REACH = 6
 
 
 def _narrowest(forbidden: Forbidden, points: Points) -> tuple[Point, float]:
-    """The narrowest of some points of a polyline, and a room that all of it has, 1 mm below or less.
+    """The narrowest of some points of a polyline, and a room (m) that all of it has.
 
-    Room changes by no more than 1 m per metre: between two points there is at least half of the
+    That is 1 mm below the least at most. Room changes by no more than 1 m per metre: between two points there is at least half of the
     sum of their rooms less their distance. Segments for which that is too little are halved.
     """
     rooms = forbidden.least(points)

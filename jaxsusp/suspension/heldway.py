@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp.freespace.cellways import cell_of, shortest, widest
-from jaxsusp.freespace.subdivision import Cells
-from jaxsusp.planning.feasibility import static_tensions
+from jaxsusp.freespace.cells.subdivision import Cells
+from jaxsusp.freespace.cells.ways import shortest, widest
 from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.suspension.cableloads import cable_loads
 
 HOOK, SEPARATE = 32, 8
 """Cells along the longest side; with separate attachments every cell costs an equilibrium."""
@@ -40,7 +40,8 @@ def least_excess(scenario: Scenario, cells: Cells) -> Weakest:
     low, high = scenario.limits.tension
     places = cells.centers
     places[cells.start], places[cells.goal] = scenario.task.start, scenario.task.goal
-    tensions = static_tensions(scenario, places.reshape(-1, 3)).reshape(*places.shape[:3], -1)
+    static = cable_loads(scenario, places.reshape(-1, 3)).static
+    tensions = static.reshape(*places.shape[:3], -1)
     excess = np.nan_to_num(np.maximum(tensions - high, low - tensions).max(axis=-1), nan=_HOPELESS)
     values = np.where(cells.open, -np.minimum(excess, _HOPELESS), -2 * _HOPELESS)
     best = widest(values, cells.start, cells.goal)
