@@ -12,10 +12,10 @@ import numpy as np
 
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.build import free_space
-from jaxsusp.freespace.cells.forbidden import Forbidden, forbidden_of
+from jaxsusp.freespace.cells.forbidden import Errand, forbidden_of
 from jaxsusp.freespace.cells.passage import beside, narrowest_place
 from jaxsusp.freespace.cells.removal import least_removal
-from jaxsusp.freespace.cells.subdivision import FINEST, Cells, subdivide
+from jaxsusp.freespace.cells.subdivision import Cells, subdivide
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.feasibility import ImpossibleTaskError, in_words, worst_tension
@@ -61,7 +61,7 @@ def why_not(
     """
     scenario = load_scenario(scenario)
     fixed = ends == "given" and not moving(scenario.drive)
-    cells = _cells(scenario, forbidden_of(scenario, fixed))
+    cells = _cells(scenario, fixed)
     if cells.verdict == "blocked":
         return _blocked(scenario, fixed, cells)
     found = _narrow(scenario, fixed, cells)
@@ -82,7 +82,7 @@ def require_way(scenario: Scenario, ends: str = "given") -> None:
         ImpossibleTaskError: with what is proved, the fewest obstacles to take away, and a remedy.
     """
     fixed = ends == "given" and not moving(scenario.drive)
-    cells = _cells(scenario, forbidden_of(scenario, fixed))
+    cells = _cells(scenario, fixed)
     if cells.verdict == "blocked":
         raise ImpossibleTaskError(_blocked(scenario, fixed, cells).text)
 
@@ -95,22 +95,19 @@ def explained(plan: Plan, ends: str) -> Plan:
     return replace(plan, reasons=(refusal.text, *plan.reasons))
 
 
-def _box(scenario: Scenario) -> tuple[np.ndarray, ...]:
-    """Where a plan may take the load's centre, and the task (m)."""
-    box, task = scenario.workspace, scenario.task
-    room = 2 * WORKSPACE_TOLERANCE
-    lower, upper = np.array(box.lower) - room, np.array(box.upper) + room
-    return lower, upper, np.array(task.start, np.float64), np.array(task.goal, np.float64)
+def _errand(scenario: Scenario) -> Errand:
+    """Wherever a plan may take the load's centre: somewhat more than the checks allow."""
+    return Errand.of(scenario, 2 * WORKSPACE_TOLERANCE)
 
 
-def _cells(scenario: Scenario, forbidden: Forbidden, finest: int = FINEST) -> Cells:
-    return subdivide(forbidden, *_box(scenario), finest)
+def _cells(scenario: Scenario, fixed: bool) -> Cells:
+    return subdivide(forbidden_of(scenario, fixed), _errand(scenario))
 
 
 def _blocked(scenario: Scenario, fixed: bool, cells: Cells) -> Refusal:
     """What is proved, what has to go, and what else could help."""
     forbidden = forbidden_of(scenario, fixed)
-    gone, opens, cells = least_removal(forbidden, *_box(scenario), cells)
+    gone, opens, cells = least_removal(forbidden, _errand(scenario), cells)
     names = tuple(forbidden.names[i] for i in sorted(gone or ()))
     text = (
         f"{scenario.name}: no plan is possible: every way from task.start "
@@ -123,7 +120,7 @@ def _blocked(scenario: Scenario, fixed: bool, cells: Cells) -> Refusal:
         after = "there is a way" if opens else "no cells prove that"
         text += f"; at least {count} must go; without {' and '.join(names)} {after}"
     remedy = "move obstacles or the task"
-    if fixed and _cells(scenario, forbidden_of(scenario, False)).verdict != "blocked":
+    if fixed and _cells(scenario, False).verdict != "blocked":
         remedy = f'the load alone is not blocked: move the ends, let ends = "placed", or {remedy}'
     return Refusal("proved blocked", f"{text}; {remedy}", names, float(cells.size.max()))
 
@@ -132,8 +129,8 @@ def _narrow(scenario: Scenario, fixed: bool, cells: Cells) -> list[Refusal]:
     """No way by cells that are clear as a whole, nor one that is found by going sideways."""
     if cells.verdict == "open":
         return []
-    forbidden, (lower, upper, *task) = forbidden_of(scenario, fixed), _box(scenario)
-    found = narrowest_place(forbidden, lower, upper, np.array(task))
+    forbidden = forbidden_of(scenario, fixed)
+    found = narrowest_place(forbidden, _errand(scenario))
     if found.room > 0:
         return []
     least = scenario.limits.clearance
@@ -152,7 +149,7 @@ def _tensions(scenario: Scenario) -> list[Refusal]:
     along = HOOK if scenario.payload.attachments == "hook" else SEPARATE
     fixed = not moving(scenario.drive)
     forbidden = forbidden_of(scenario, fixed)
-    cells = subdivide(forbidden, *_box(scenario), along, all_obstacles=True)
+    cells = subdivide(forbidden, _errand(scenario), along, all_obstacles=True)
     weakest = least_excess(scenario, cells)
     if weakest.excess <= 0:
         return []

@@ -8,11 +8,12 @@ A cell is therefore wholly inside such a set iff its corners are.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from jaxsusp.freespace.polyhedra import Point
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
@@ -26,6 +27,22 @@ STEPS = 16
 """Halvings in the search for the place of a cable that is nearest to an obstacle."""
 
 _CHUNK = 8192  # points at a time, so that intermediate results stay in the processor's cache
+
+
+class Errand(NamedTuple):
+    """From where to where the load's centre is to go, and the box it stays in (m)."""
+
+    lower: Point
+    upper: Point
+    start: Point
+    goal: Point
+
+    @classmethod
+    def of(cls, scenario: Scenario, beyond: float = 0.0) -> "Errand":
+        """That of a task; the box is larger than the workspace by so much (m) all round."""
+        box, task = scenario.workspace, scenario.task
+        lower, upper, start, goal = np.array([box.lower, box.upper, task.start, task.goal], float)
+        return cls(lower - beyond, upper + beyond, start, goal)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from jaxsusp.freespace.build import free_space
-from jaxsusp.freespace.cells.forbidden import Forbidden, forbidden_of
+from jaxsusp.freespace.cells.forbidden import Errand, Forbidden, forbidden_of
 from jaxsusp.freespace.cells.ways import cell_of, shortest, widest
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.freespace.space import FreeSpace
@@ -68,16 +68,14 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
     forbidden = forbidden_of(scenario)
     space = free_space(scenario) if space is None else space
     only = len(space.routes) == 1 if space.routes else None
-    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     if not len(forbidden):
         return Passage(np.inf, 0.0, scenario.task.start, "", (), only)
-    lower, upper = np.array([scenario.workspace.lower, scenario.workspace.upper], np.float64)
-    narrowest = narrowest_place(forbidden, lower, upper, task)
-    place, room = narrowest.place, narrowest.room
-    off = np.linalg.norm(task - place, axis=1)
+    errand = Errand.of(scenario)
+    place, room, most = narrowest_place(forbidden, errand)
+    off = np.linalg.norm(np.array(errand[2:]) - place, axis=1)
     end = ("task.start", "task.goal")[off.argmin()] if off.min() < 1e-6 else ""
     x, y, z = place.tolist()
-    error = 2 * (narrowest.most - room)
+    error = 2 * (most - room)
     return Passage(2 * room, error, (x, y, z), end, beside(forbidden, place), only)
 
 
@@ -89,15 +87,15 @@ class Narrowest(NamedTuple):
     most: float  # m; every way has no more somewhere
 
 
-def narrowest_place(forbidden: Forbidden, lower: Point, upper: Point, task: Points) -> Narrowest:
+def narrowest_place(forbidden: Forbidden, errand: Errand) -> Narrowest:
     """The narrowest place of the widest way between two positions.
 
     Args:
         forbidden: what narrows it, one body at least.
-        lower: corner of the box that the way stays in (m).
-        upper: the opposite corner (m).
-        task: both positions (2, 3) (m).
+        errand: the two, and the box that the way stays in.
     """
+    lower, upper, *places = errand
+    task = np.array(places)
     rooms, size = _rooms(forbidden, lower, upper)
     first, last = (cell_of(place, lower, size, rooms.shape) for place in task)
     ends = forbidden.least(task)
@@ -179,8 +177,9 @@ _REACH = 6
 def _narrowest(forbidden: Forbidden, points: Points) -> tuple[Point, float]:
     """The narrowest of some points of a polyline, and a room (m) that all of it has.
 
-    That is 1 mm below the least at most. Room changes by no more than 1 m per metre: between two points there is at least half of the
-    sum of their rooms less their distance. Segments for which that is too little are halved.
+    That is 1 mm below the least at most. Room changes by no more than 1 m per metre: between two
+    points there is at least half of the sum of their rooms less their distance. Segments for which
+    that is too little are halved.
     """
     rooms = forbidden.least(points)
     a, b, at_a, at_b = points[:-1], points[1:], rooms[:-1], rooms[1:]

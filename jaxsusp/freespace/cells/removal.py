@@ -13,10 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy import ndimage
 
-from jaxsusp.freespace.cells.forbidden import Forbidden
+from jaxsusp.freespace.cells.forbidden import Errand, Forbidden
 from jaxsusp.freespace.cells.subdivision import NAMED, Cells, subdivide
 from jaxsusp.freespace.cells.ways import reached
-from jaxsusp.freespace.polyhedra import Point
 
 MOST_SETS = 200
 """Sets of obstacles that are looked at before giving up."""
@@ -30,9 +29,7 @@ class Removal(NamedTuple):
     cells: Cells  # that prove that fewer do not suffice
 
 
-def least_removal(
-    forbidden: Forbidden, lower: Point, upper: Point, start: Point, goal: Point, cells: Cells
-) -> Removal:
+def least_removal(forbidden: Forbidden, errand: Errand, cells: Cells) -> Removal:
     """The fewest obstacles to take away where cells prove that no way joins two positions.
 
     Where finer cells prove that what is left after the removal is blocked as well, the search
@@ -40,10 +37,7 @@ def least_removal(
 
     Args:
         forbidden: everything that is forbidden.
-        lower: corner of the box that is looked at (m).
-        upper: the opposite corner (m).
-        start: a position (m).
-        goal: another (m).
+        errand: what is to be joined.
         cells: the proof.
 
     Returns:
@@ -52,11 +46,11 @@ def least_removal(
     """
     along = max(cells.blocked.shape)
     while True:
-        cells = subdivide(forbidden, lower, upper, start, goal, along, all_obstacles=True)
+        cells = subdivide(forbidden, errand, along, all_obstacles=True)
         found = smallest_opening(cells)
         if found is None or NAMED in found:
             return Removal(None, False, cells)
-        left = subdivide(forbidden.without(found), lower, upper, start, goal)
+        left = subdivide(forbidden.without(found), errand)
         finer = max(left.blocked.shape)
         if left.verdict != "blocked" or finer <= max(cells.blocked.shape):
             return Removal(found, left.verdict == "open", cells)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, UInt64
 
-from jaxsusp.freespace.cells.forbidden import Forbidden
+from jaxsusp.freespace.cells.forbidden import Errand, Forbidden
 from jaxsusp.freespace.cells.ways import Cell, cell_of, joined
 from jaxsusp.freespace.polyhedra import Point
 
@@ -72,22 +72,18 @@ class Cells(NamedTuple):
 
 
 def subdivide(
-    forbidden: Forbidden, lower: Point, upper: Point, start: Point, goal: Point,
-    finest: int = FINEST, all_obstacles: bool = False,
-) -> Cells:  # fmt: skip
+    forbidden: Forbidden, errand: Errand, finest: int = FINEST, all_obstacles: bool = False
+) -> Cells:
     """Cells at the first size that decides, or at the finest that is affordable.
 
     Args:
         forbidden: what to look for.
-        lower: corner of the box to look in (m).
-        upper: the opposite corner (m).
-        start: a position in it (m).
-        goal: another (m).
+        errand: the box to look in, and what is to be joined.
         finest: cells along the longest side at most.
         all_obstacles: go on to the finest, and find every obstacle that holds a cell instead of
             the first.
     """
-    sides = upper - lower
+    lower, sides = errand.lower, errand.upper - errand.lower
     count = np.maximum(1, np.ceil(COARSEST * sides / sides.max() - 1e-9)).astype(int)
     index = np.indices(count).reshape(3, -1).T
     pairs = np.repeat(index, len(forbidden), axis=0), np.tile(np.arange(len(forbidden)), len(index))
@@ -97,7 +93,7 @@ def subdivide(
         pairs = _look(forbidden, lower, size, blocked, *pairs, all_obstacles)
         near = np.zeros(blocked.shape, bool)
         near[tuple(pairs[0].T)] = True
-        ends = (cell_of(place, lower, size, blocked.shape) for place in (start, goal))
+        ends = (cell_of(place, lower, size, blocked.shape) for place in errand[2:])
         cells = Cells(lower, size, blocked, ~near & (blocked == 0), *ends)
         done = not all_obstacles and cells.verdict != "undecided"
         if done or 2 * along > finest or 8 * len(pairs[1]) > PAIRS:

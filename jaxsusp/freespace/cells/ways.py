@@ -27,14 +27,21 @@ def cell_of(place: Point, lower: Point, size: Point, shape: tuple[int, ...]) -> 
 
 def reached(cells: Bool[np.ndarray, "x y z"], start: Cell) -> Bool[np.ndarray, "x y z"]:
     """Those of the cells that are joined to one of them."""
-    parts = ndimage.label(cells, _TOUCHING)[0]
+    parts = _parts(cells)
     return (parts == parts[start]) & cells
 
 
 def joined(cells: Bool[np.ndarray, "x y z"], start: Cell, goal: Cell) -> bool:
     """Whether cells join two of them."""
-    parts = ndimage.label(cells, _TOUCHING)[0]
+    parts = _parts(cells)
     return bool(parts[start] > 0 and parts[start] == parts[goal])
+
+
+def _parts(cells: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "x y z"]:
+    """Number of the connected part that each cell belongs to; 0 for all others."""
+    parts = np.empty(cells.shape, np.int32)
+    ndimage.label(cells, _TOUCHING, output=parts)
+    return parts
 
 
 def widest(values: Float[np.ndarray, "x y z"], start: Cell, goal: Cell) -> float:
