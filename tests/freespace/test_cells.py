@@ -9,6 +9,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import anywhere, frame
+from scipy import ndimage
 
 import jaxsusp as js
 from jaxsusp.freespace.cells.forbidden import Errand, forbidden_of
@@ -39,8 +40,8 @@ def measured(scenario: js.Scenario, points: np.ndarray) -> np.ndarray:
 
 
 def some(cells: Cells, which: np.ndarray, random, count: int = 25) -> tuple[np.ndarray, np.ndarray]:
-    """Cells among those chosen, and a random point in each, some of them corners."""
-    index = np.argwhere(which)
+    """Cells on the border of those chosen, and a random point in each, some of them corners."""
+    index = np.argwhere(which & ndimage.binary_dilation(~which))
     index = index[random.permutation(len(index))[:count]]
     inside = random.uniform(size=(len(index), 3))
     inside[::3] = inside[::3].round()

@@ -218,7 +218,7 @@ def _column(obstacle: Any) -> np.ndarray:
     return _at(0, *obstacle.center, np.cos(yaw), np.sin(yaw), *shape)
 
 
-def _at(first: int, *numbers: float) -> np.ndarray:
+def _at(first: int, *numbers: Any) -> np.ndarray:
     """A column with so many numbers from a place on, and zeros elsewhere."""
     column = np.zeros(_NUMBERS)
     column[first : first + len(numbers)] = numbers
