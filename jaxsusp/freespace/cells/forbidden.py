@@ -8,6 +8,7 @@ A cell is therefore wholly inside such a set iff its corners are.
 """
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,6 +86,13 @@ class Forbidden:
             part = slice(start, start + _CHUNK)
             found[part] = self._room(points[part], body[part], inner)
         return found
+
+    def rounding(self, lower: Point, upper: Point) -> float:
+        """By how much (m) a room in a box is less than it is, at most."""
+        corners = np.array([*product(*np.transpose([lower, upper]))])
+        cables = self.columns[11:17, self.cable >= 0]
+        ways = corners[:, :, None] + cables[3:] - cables[:3]
+        return float(np.linalg.norm(ways, axis=1).max(initial=0.0)) * 0.5**STEPS
 
     def least(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
         """Room (m) of positions in view of everything."""

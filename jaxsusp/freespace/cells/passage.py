@@ -29,24 +29,24 @@ _FAR = 1e3  # m, the room where nothing is forbidden
 class Passage(NamedTuple):
     """The narrowest place of the widest way from start to goal."""
 
-    width: float  # m that a way is known to have; negative: so much is missing
+    width: float  # m that a way is known to have; 0: no way is known
     error: float  # m; no way has more than width + error
     place: tuple[float, float, float]  # of the load's centre, m
     end: str  # "task.start" or "task.goal", where the place is that
     between: tuple[str, ...]  # what leaves least room there, of two obstacles at most
-    only: bool | None  # whether there is one distinct taut way; None: none is known
+    only: bool | None  # whether the free space knows one distinct taut way; None: it knows none
 
     @property
     def words(self) -> str:
         """One line for people."""
-        which = {True: "the only way", False: "one of several ways", None: "no way is known"}
+        which = {True: "the only way", False: "one of several ways", None: "no way"}
         if np.isinf(self.width):
             return "no obstacle narrows the way"
         where = f"({', '.join(f'{c:.2f}' for c in self.place)})"
         return (
             f"the widest way is narrowest at {self.end or 'the load position'} {where}: "
             f"{self.width:.3f} to {self.width + self.error:.3f} m, by "
-            f"{' and '.join(self.between)}; {which[self.only]}"
+            f"{' and '.join(self.between)}; {which[self.only]} that its regions know"
         )
 
 
@@ -59,7 +59,8 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
 
     Args:
         scenario: the task; where its ends move, the load alone counts.
-        space: its free space, if it is at hand; it knows whether there are several ways.
+        space: its free space, if it is at hand; it knows whether there are several ways, as far
+            as its regions reach into small corners.
 
     Raises:
         InputError: as from `free_space`.
@@ -75,8 +76,9 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
     off = np.linalg.norm(np.array(errand[2:]) - place, axis=1)
     end = ("task.start", "task.goal")[off.argmin()] if off.min() < 1e-6 else ""
     x, y, z = place.tolist()
-    error = 2 * (most - room)
-    return Passage(2 * room, error, (x, y, z), end, beside(forbidden, place), only)
+    width = 2 * max(room, 0.0)
+    error = max(2 * most - width, 0.0)
+    return Passage(width, error, (x, y, z), end, beside(forbidden, place), only)
 
 
 class Narrowest(NamedTuple):
@@ -105,7 +107,7 @@ def narrowest_place(forbidden: Forbidden, errand: Errand) -> Narrowest:
     line = np.concatenate([task[:1], lower + (cells[1:-1] + 0.5) * size, task[1:]])
     place, room = _roomiest(forbidden, line, float(np.linalg.norm(size)) / 4)
     most = min(best + float(np.linalg.norm(size)) / 2, float(ends.min()))
-    return Narrowest(place, room, max(most, room))
+    return Narrowest(place, room, most + forbidden.rounding(lower, upper))
 
 
 def _rooms(
@@ -153,7 +155,7 @@ def _roomiest(forbidden: Forbidden, line: Points, spacing: float) -> tuple[Point
         room = near.least(tried.reshape(-1, 3)).reshape(len(moved), -1)
         best = room.argmax(axis=1)
         shifted[moved] = tried[np.arange(len(moved)), best]
-        step *= 0.85
+        step *= 0.8
     return max((_narrowest(forbidden, way) for way in (points, shifted)), key=lambda pair: pair[1])
 
 
