@@ -161,16 +161,16 @@ class _Core:
 
         The square of the distance is convex in t: halvings find where its derivative is zero.
         """
-        low, high = np.zeros(a.shape[1]), np.ones(a.shape[1])
+        t, step = np.full(a.shape[1], 0.5), 0.5
         for _ in range(STEPS):
-            t = (low + high) / 2
             p = a + t * way
             out = p - np.clip(p, -self.half, self.half)
             across = np.sqrt(out[0] ** 2 + out[1] ** 2)
             share = np.maximum(across - self.disk, 0) / np.maximum(across, 1e-300)
             slope = share * (out[0] * way[0] + out[1] * way[1]) + out[2] * way[2]
-            falling = slope < 0
-            low, high = np.where(falling, t, low), np.where(falling, high, t)
+            step /= 2
+            t += np.where(slope < 0, step, -step)
+        low, high = t - step, t + step  # what is left of the segment
         return np.minimum(self.distance(a + low * way), self.distance(a + high * way))
 
 

@@ -146,6 +146,9 @@ def _roomiest(forbidden: Forbidden, line: Points, spacing: float) -> tuple[Point
     knots = np.unique(np.append(gone, np.arange(0, gone[-1], spacing)))
     points = np.stack([np.interp(knots, gone, c) for c in line.T], axis=1)
     rooms = forbidden.least(points)
+    found = _narrowest(forbidden, points)
+    if found[1] >= min(rooms[0], rooms[-1]) - _TOLERANCE:  # at an end, which stays where it is
+        return found
     moved = np.flatnonzero(rooms[1:-1] < rooms.min() + 8 * spacing) + 1
     near = forbidden.nearby(points[moved], 24 * spacing)
     across = _across(points, moved)
@@ -156,7 +159,7 @@ def _roomiest(forbidden: Forbidden, line: Points, spacing: float) -> tuple[Point
         best = room.argmax(axis=1)
         shifted[moved] = tried[np.arange(len(moved)), best]
         step *= 0.8
-    return max((_narrowest(forbidden, way) for way in (points, shifted)), key=lambda pair: pair[1])
+    return max(found, _narrowest(forbidden, shifted), key=lambda pair: pair[1])
 
 
 def _across(points: Points, which: np.ndarray) -> Float[np.ndarray, "n ways 3"]:
