@@ -49,10 +49,12 @@ def some(cells: Cells, which: np.ndarray, random, count: int = 25) -> tuple[np.n
 
 
 @settings(max_examples=12, deadline=None, derandomize=True)
-@given(st.integers(0, 10**6), st.integers(1, 5), st.sampled_from([3, 4]))
-def test_blocked_is_in_contact_and_free_is_clear(seed, count, robots):
+@given(st.integers(0, 10**6), st.integers(1, 5), st.sampled_from([3, 4]), st.sampled_from([0, 5]))
+def test_blocked_is_in_contact_and_free_is_clear(seed, count, robots, clearance_cm):
     random = np.random.default_rng(seed)
     scenario = anywhere(random, count, robots)
+    limits = scenario.limits.model_copy(update={"clearance": clearance_cm / 100})
+    scenario = scenario.model_copy(update={"limits": limits})
     errand = Errand.of(scenario, 2e-3)
     cells = subdivide(forbidden_of(scenario), errand, 32, all_obstacles=True)
     assert not (cells.free & ~cells.open).any()
@@ -190,7 +192,7 @@ def test_the_widest_way_goes_round():
     values[:, 0] = values[:, 4] = 4
     assert widest(values, (2, 0, 0), (2, 4, 0)) == 2.5
     way = shortest(values >= 2.5, np.ones(3), (2, 0, 0), (2, 4, 0))
-    assert [2, 0, 0] == way[0].tolist()
-    assert [2, 4, 0] == way[-1].tolist()
+    assert way[0].tolist() == [2, 0, 0]
+    assert way[-1].tolist() == [2, 4, 0]
     assert (np.abs(np.diff(way, axis=0)).max(axis=1) == 1).all()
     assert values[tuple(way.T)].min() == 2.5

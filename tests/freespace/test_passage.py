@@ -73,7 +73,7 @@ def test_a_slot_for_a_cable_is_as_wide_as_it_leaves_the_cable_room():
     scenario = scene(*beams)
     place, room, _ = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
     assert 2 * room == pytest.approx(0.3 - 2 * (0.01 + 0.05), abs=EXACT)
-    end, hook = np.array(scenario.robots[0].end), place + [0.0, 0.0, 0.15]
+    end, hook = np.array(scenario.robots[0].end), place + np.array([0.0, 0.0, 0.15])
     at_beams = hook + (5.0 - hook[1]) / (end[1] - hook[1]) * (end - hook)
     np.testing.assert_allclose(at_beams[0], 0.0, atol=EXACT)
     assert 5.7 <= at_beams[2] <= 6.1

@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
+from jaxsusp.freespace.cells.forbidden import Errand, forbidden_of
+from jaxsusp.freespace.cells.subdivision import subdivide
+from jaxsusp.freespace.cells.ways import cell_of
 from jaxsusp.planning import planner, refusal
 from jaxsusp.scenario.models import Box
 from jaxsusp.verify.certificate import Contact
@@ -114,6 +117,15 @@ def test_nothing_is_made_up(frame):
     assert found.kind == "unknown"
     assert "nothing is known that rules a plan out" in found.text
     assert found.kind in refusal.KINDS
+
+
+def test_what_a_certified_plan_passes_is_not_blocked():
+    plan = js.load_plan(Path(__file__).parents[1] / "files" / "scenario-1-0.1.0.plan.json")
+    cells = subdivide(forbidden_of(plan.scenario), Errand.of(plan.scenario), all_obstacles=True)
+    position = plan.at(np.linspace(0, plan.times[-1], 2000)).position
+    passed = {cell_of(place, cells.lower, cells.size, cells.blocked.shape) for place in position}
+    assert len(passed) > 100
+    assert all(cells.open[cell] for cell in passed)
 
 
 def test_the_best_attempt_tells_of_robots():
