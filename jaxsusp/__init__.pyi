@@ -31,6 +31,8 @@ from .freespace.space import FreeSpace as FreeSpace
 from .freespace.space import load_free_space as load_free_space
 from .freespace.routes import routes as routes
 from .freespace.space import Route as Route
+from .freespace.cells.passage import passage as passage
+from .freespace.cells.passage import Passage as Passage
 
 # the suspension of a scenario at given positions
 from .suspension.tensions import tensions as tensions
@@ -80,4 +82,6 @@ from .planning.loading import load_plan as load_plan
 from .planning.waypoints import plan_through as plan_through
 from .planning.recheck import verify_plan as verify_plan
 from .planning.recheck import Verification as Verification
+from .planning.refusal import why_not as why_not
+from .planning.refusal import Refusal as Refusal
 from .planning.feasibility import ImpossibleTaskError as ImpossibleTaskError

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -22,7 +22,9 @@ from jaxsusp.freespace.choices import SOLVER, solvers
 
 if TYPE_CHECKING:
     from jaxsusp.freespace.build import Growth
+    from jaxsusp.freespace.cells.passage import Passage
     from jaxsusp.freespace.space import FreeSpace
+    from jaxsusp.planning.refusal import Refusal
     from jaxsusp.scenario.scenario import Scenario
 
 
@@ -49,7 +51,8 @@ def freespace(
 ) -> None:
     """Compute the free space of the whole system; write free-space.nc, a table and figures.
 
-    Exit status 1 when no collision-free route leads from start to goal.
+    Tells how narrow it gets. Exit status 1 when no collision-free route leads from start to goal,
+    with what is known of the reason.
     """
     require_choices([scenario])
     require_known("solver", solver, solvers())
@@ -57,6 +60,8 @@ def freespace(
     from rich.console import Console
 
     from jaxsusp.freespace.build import free_space
+    from jaxsusp.freespace.cells.passage import passage
+    from jaxsusp.planning.refusal import why_not
     from jaxsusp.scenario.scenario import load_scenario
 
     task = load_scenario(scenario)
@@ -71,10 +76,13 @@ def freespace(
 
         try:
             space = free_space(task, coverage, limit, seed, solver, progress=told)
+            status.update("Looking for what is narrow …")
+            narrow = passage(task, space) if space.connected else None
+            refusal = None if space.connected else why_not(task, space=space)
         except KeyboardInterrupt:
             interrupted("nothing was written.")
     files = _write(task, space, output)
-    _tell(space, files, as_json)
+    _tell(space, narrow, refusal, files, as_json)
     note(f"{len(files)} files are in {output}")
     if not space.connected:
         raise typer.Exit(1)
@@ -94,7 +102,10 @@ def _write(scenario: "Scenario", space: "FreeSpace", output: Path) -> list[Path]
     return files
 
 
-def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
+def _tell(
+    space: "FreeSpace", narrow: "Passage | None", refusal: "Refusal | None",
+    files: list[Path], as_json: bool,
+) -> None:  # fmt: skip
     import numpy as np
     from rich.console import Console
 
@@ -115,6 +126,8 @@ def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
                 {**each._asdict(), "polyline": each.polyline.tolist()} for each in space.routes
             ],
             "regions": region_table(space).drop(columns="route").to_dict("records"),
+            "passage": narrow and _finite(narrow),
+            "refusal": refusal and refusal._asdict(),
             "seconds": seconds,
             "files": [str(file) for file in files],
         }
@@ -129,7 +142,17 @@ def _tell(space: "FreeSpace", files: list[Path], as_json: bool) -> None:
             "No polyline through this sequence of regions is shorter than "
             f"{np.floor(1e4 * space.bound) / 1e4:.4f} m."
         )
-    else:
-        console.print(f"[bold]{space.reason}[/bold]")
+    if narrow is not None:
+        console.print(narrow.words, highlight=False, markup=False)
+    if refusal is not None:
+        console.print(space.reason, style="bold", markup=False)
+        console.print(refusal.text, markup=False)
     times = ", ".join(f"{name} {value:.2f} s" for name, value in seconds.items())
     console.print(f"{space.details['bodies']} convex bodies to avoid; computed in: {times}")
+
+
+def _finite(narrow: "Passage") -> dict[str, Any]:
+    """A passage as plain values; nothing where no obstacle narrows the way."""
+    from math import isfinite
+
+    return {**narrow._asdict(), "width": narrow.width if isfinite(narrow.width) else None}

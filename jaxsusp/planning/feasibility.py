@@ -1,6 +1,6 @@
 """Can the load be held at all?  The answer before any search (Eq. 22, tensions)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import product
 
 import jax
@@ -44,7 +44,7 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
         raise ImpossibleTaskError(
             f"{scenario.name}: the load weighs {weight:.5g} N and {cables} cables of at most "
             f"{high:g} N each cannot lift it anywhere; at task.goal "
-            f"{_place(scenario.task.goal)} even cable 1, pulling straight up, would need "
+            f"{in_words(scenario.task.goal)} even cable 1, pulling straight up, would need "
             f"{weight - (cables - 1) * high:.5g} N; lighten payload.mass or raise "
             "limits.tension[1]"
         )
@@ -53,15 +53,15 @@ def require_possible(scenario: Scenario, ends: str = "given") -> None:
     for name, place in (("task.start", scenario.task.start), ("task.goal", scenario.task.goal)):
         if scenario.payload.attachments != "hook" and (trouble := hanging_trouble(scenario, place)):
             raise ImpossibleTaskError(
-                f"{scenario.name}: no plan is possible: at {name} {_place(place)} {trouble}; move "
-                "the task, the ends or the attachments, or raise limits.posture_deg"
+                f"{scenario.name}: no plan is possible: at {name} {in_words(place)} {trouble}; "
+                "move the task, the ends or the attachments, or raise limits.posture_deg"
             )
         _require_reach(scenario, name, place)
         tensions = static_tensions(scenario, np.array([place], np.float64))[0]
-        if worst := _worst(tensions, low, high):
+        if worst := worst_tension(tensions, low, high):
             elsewhere = _elsewhere(scenario)
             raise ImpossibleTaskError(
-                f"{scenario.name}: no plan is possible: at {name} {_place(place)} {worst}"
+                f"{scenario.name}: no plan is possible: at {name} {in_words(place)} {worst}"
                 f"{elsewhere}; {_remedy(tensions, high)}"
             )
 
@@ -81,9 +81,9 @@ def _require_reach(scenario: Scenario, name: str, place: Sequence[float]) -> Non
                 continue
             away = np.linalg.norm(end - np.asarray(robots.shoulder.to_array())[k])
             raise ImpossibleTaskError(
-                f"{scenario.name}: no plan is possible: at {name} {_place(place)} drive = "
-                f'"{scenario.drive}" takes the end of robot {k + 1} to {_place(end)}, {away:.4g} m '
-                f"from its shoulder; its arm reaches {float(robots.nearest[k]):g} to "
+                f"{scenario.name}: no plan is possible: at {name} {in_words(place)} drive = "
+                f'"{scenario.drive}" takes the end of robot {k + 1} to {in_words(end)}, '
+                f"{away:.4g} m from its shoulder; its arm reaches {float(robots.nearest[k]):g} to "
                 f"{float(robots.farthest[k]):g} m and keeps {AXIS:g} m off its own axis; move the "
                 "task, the end or the base"
             )
@@ -96,7 +96,7 @@ def static_tensions(
     return cable_loads(scenario, position).static
 
 
-def _worst(tensions: np.ndarray, low: float, high: float) -> str:
+def worst_tension(tensions: np.ndarray, low: float, high: float) -> str:
     """The cable that is furthest outside its limits, in words; "" if all are inside."""
     excess = np.maximum(tensions - high, low - tensions)
     excess = np.where(np.isnan(excess), np.inf, excess)
@@ -121,10 +121,10 @@ def _elsewhere(scenario: Scenario) -> str:
     excess = np.where(np.isfinite(excess), excess, np.inf)
     at = int(excess.argmin())
     if excess[at] <= 0:
-        return f" (it can be held elsewhere, most easily near {_place(grid[at])})"
+        return f" (it can be held elsewhere, most easily near {in_words(grid[at])})"
     return (
         f", and nowhere in the workspace are all tensions within their limits: the best place is "
-        f"{_place(grid[at])}, where {_worst(tensions[at], low, high)}"
+        f"{in_words(grid[at])}, where {worst_tension(tensions[at], low, high)}"
     )
 
 
@@ -134,5 +134,6 @@ def _remedy(tensions: np.ndarray, high: float) -> str:
     return 'move the task or the ends, lower limits.tension[0], or let ends = "placed"'
 
 
-def _place(point) -> str:
+def in_words(point: Iterable[float]) -> str:
+    """A place for people, (x, y, z) in m."""
     return f"({', '.join(f'{coordinate:.4g}' for coordinate in point)})"

@@ -15,6 +15,7 @@ from jaxsusp.planning.choices import COORDINATIONS, ENDS
 from jaxsusp.planning.feasibility import require_possible
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import good, rank, with_settings
+from jaxsusp.planning.refusal import explained, require_way
 from jaxsusp.planning.steps import Settings
 from jaxsusp.planning.strategies import Attempt, coordinate
 from jaxsusp.problem.choices import SEARCHES
@@ -78,10 +79,12 @@ def plan(
         progress: called when something begins, see `Event`.
 
     Returns:
-        A feasible `Plan`, or the best attempt marked infeasible with the reasons.
+        A feasible `Plan`, or the best attempt marked infeasible with the reasons; the first of
+        them is what `why_not` says.
 
     Raises:
-        ImpossibleTaskError: no tensions within limits can hold the load; told before any search.
+        ImpossibleTaskError: no tensions within limits can hold the load, or it is proved that no
+            way exists; told before any search.
         InputError: bad settings, or a system that planning does not cover.
     """
     scenario = load_scenario(scenario)
@@ -94,6 +97,7 @@ def plan(
     require_count("waypoints", waypoints)
     require_count("retries", retries, least=0)
     require_possible(scenario, ends)
+    require_way(scenario, ends)
     tally, made = _Tally(), 0
     for attempt in _attempts(retries, waypoints, ends):
 
@@ -113,7 +117,8 @@ def plan(
     asked = settings._asdict()
     del asked["told"]
     asked["algorithm"] = asked.pop("optimizer").name
-    return with_settings(tally.best, **asked, retries=retries, attempts=made, runs_made=tally.runs)
+    best = explained(tally.best, ends)
+    return with_settings(best, **asked, retries=retries, attempts=made, runs_made=tally.runs)
 
 
 def _require_sense(scenario: Scenario, settings: Settings) -> None:

@@ -29,6 +29,7 @@ def test_regions_route_and_files(run, tmp_path):
     status, out, err = run("freespace", "scenario-1", "--coverage", "0.4", "--output", tmp_path)
     assert status == 0
     assert "No polyline through this sequence of regions is shorter than" in out
+    assert "the widest way is narrowest at task.start" in " ".join(out.split())
     assert f"4 files are in {tmp_path}" in err
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"free-space.nc", "regions.csv", "slices.png", "space.png"}
@@ -44,13 +45,32 @@ def test_json(run, tmp_path):
     assert answer["connected"]
     np.testing.assert_allclose(answer["polyline"][0], [0, 2, 1])
     assert answer["bound"] <= answer["length"] * (1 + 1e-6)
+    assert 0 < answer["passage"]["width"] < 0.5
+    assert answer["refusal"] is None
     assert answer["regions"][0].keys() == {"region", "polytope", "ellipsoid", "faces", "neighbours"}
 
 
 def test_no_route_is_status_one(run, walled, tmp_path):
     status, out, _ = run("freespace", walled, "--limit", "8", "--output", tmp_path / "out")
     assert status == 1
-    assert "no collision-free route found" in " ".join(out.split())
+    said = " ".join(out.split())
+    assert "no collision-free route found" in said
+    assert "at least 1 obstacle must go; without obstacles[0] there is a way" in said
+    options = "--limit", "8", "--output", tmp_path / "out", "--json"
+    status, out, _ = run("freespace", walled, *options)
+    answer = json.loads(out)
+    assert status == 1
+    assert answer["passage"] is None
+    assert answer["refusal"]["kind"] == "proved blocked"
+    assert answer["refusal"]["remove"] == ["obstacles[0]"]
+
+
+def test_a_plan_is_refused_with_the_same_words(run, walled, tmp_path):
+    status, out, err = run("plan", walled, "--output", tmp_path / "out")
+    assert (status, out) == (2, "")
+    assert "walled: no plan is possible: every way from task.start (0, 2, 1)" in err
+    assert "without obstacles[0] there is a way" in err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

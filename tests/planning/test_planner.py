@@ -59,6 +59,7 @@ def test_without_success_the_best_attempt_comes_back_with_reasons(monkeypatch, p
     failed = js.plan("scenario-1", "pso", retries=3, **SMALL)
     assert not failed.feasible
     assert any("low wall" in reason for reason in failed.reasons)
+    assert "nothing is known that rules a plan out" in failed.reasons[0]
     assert failed.settings["attempts"] == 4
     assert len(seen) == 1 + 2 + 4 + 8  # batches double
     assert len({first for _, first in seen}) == len(seen)  # and no run is made twice

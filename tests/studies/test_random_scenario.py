@@ -29,6 +29,13 @@ def test_it_is_blocked_and_solvable(scene):
     assert int(collisions(problem, line)) > 0
 
 
+def test_it_tells_how_narrow_it_is(scene):
+    """A trajectory without collisions exists, so there is some room."""
+    found = js.passage(scene, js.free_space(scene, coverage=0.1))
+    assert found.width > 0
+    assert found.only in (True, False)
+
+
 def test_it_is_a_file_like_any_other(scene, tmp_path):
     path = tmp_path / f"{scene.name}.toml"
     path.write_text(scene.to_toml())
