@@ -26,7 +26,7 @@ from jaxsusp.cli.options import (
     require_choices,
 )
 from jaxsusp.errors import require_known
-from jaxsusp.planning.choices import COORDINATIONS, ENDS
+from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 
 if TYPE_CHECKING:
     from jaxsusp.planning.plan import Plan
@@ -40,7 +40,8 @@ if TYPE_CHECKING:
 def plan(
     scenario: Named,
     algorithm: Annotated[
-        str, typer.Option(help="What searches, see `jaxsusp algorithms`.")
+        str,
+        typer.Option(help='What searches, see `jaxsusp algorithms`; "taut": nothing, taut ways.'),
     ] = "routed",
     ends: Annotated[
         str,
@@ -67,7 +68,7 @@ def plan(
     as_json: Json = False,
 ) -> None:
     """Plan a task: trajectory, cables, arms, all limits, certified clear; exit 1 if infeasible."""
-    require_choices([scenario], [algorithm], search)
+    require_choices([scenario], [] if algorithm == TAUT else [algorithm], search)
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)
 

@@ -222,7 +222,7 @@ def place_ends(
     )
     found = outcome.x[0]
     if refined:
-        found = refine(problem, found, seed, iterations=100, candidates=32)
+        found, _ = refine(problem, found, seed, iterations=100, candidates=32)
     values = [evaluate_ends(problem, x) for x in found]
     return min(values, key=lambda each: (each.faults, each.cable + each.tension_rate))
 

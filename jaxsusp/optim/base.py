@@ -74,8 +74,8 @@ class Optimizer:
     name: str = field(metadata={"static": True})
     init: Callable[..., State]
     step: Callable[..., tuple[State, Any]]
-    from_starts: bool = field(default=False, metadata={"static": True})
-    """Whether it begins at `Problem.starts`: a planner need not look for ways otherwise."""
+    thorough: bool = field(default=False, metadata={"static": True})
+    """Whether it ends at an optimum of its own accord: nothing is left to refine then."""
 
     def __post_init__(self):
         for part in ("init", "step"):

@@ -27,7 +27,7 @@ def refine(
     seed: int = 0,
     iterations: int = 200,
     candidates: int = 48,
-) -> Float[np.ndarray, "runs dim"]:
+) -> tuple[Float[np.ndarray, "runs dim"], Float[np.ndarray, "runs"]]:
     """Improve points of a problem, each on its own, in the dtype of the problem's bounds.
 
     Args:
@@ -38,13 +38,14 @@ def refine(
         candidates: λ, points tried per step and run.
 
     Returns:
-        Points of the same shape; none is worse than it was.
+        Points of the same shape, none worse than it was, and their fitness.
     """
     dtype = problem.lower.dtype
     with jax.enable_x64(dtype == np.float64):
         problem = jax.tree.map(jnp.asarray, problem)
         keys = jax.random.split(jax.random.key(seed), iterations)
-        return np.asarray(_refine(problem, jnp.asarray(x, dtype), keys, candidates))
+        found, fitness = _refine(problem, jnp.asarray(x, dtype), keys, candidates)
+        return np.asarray(found), np.asarray(fitness)
 
 
 @functools.partial(jax.jit, static_argnums=3)
@@ -73,4 +74,4 @@ def _refine(problem: Problem, x, keys, candidates: int):
         return (x, jnp.where(better, value, fitness), size), None
 
     start = x, problem.evaluate(x), jnp.full(runs, FIRST_STEP, dtype)
-    return jax.lax.scan(step, start, keys)[0][0]
+    return jax.lax.scan(step, start, keys)[0][:2]

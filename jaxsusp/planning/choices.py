@@ -4,5 +4,8 @@ ENDS = ("given", "placed")
 """Whether the cables' ends are the scenario's (moved by the plain rule of its drive mode where they
 move), or chosen by the planner."""
 
+TAUT = "taut"
+"""The algorithm that searches nothing: rounded taut ways, as they are."""
+
 COORDINATIONS = ("alternation", "joint")
 """How ends that stay are placed with the load."""

@@ -14,12 +14,16 @@ from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.vec3 import Vec3
 
 MARGIN = 0.015
-"""m; the search keeps so much more than the clearance asked for, as far as start and goal allow:
-the smooth curve departs from the polyline that the search checks by about as much."""
+"""m; a search keeps so much more than the clearance asked for, as far as start and goal allow: the
+smooth curve departs from the polyline that the search checks by as much at most."""
 
 TENSION_MARGIN = (5.0, 3.0)
-"""N by which the search draws the lower and the upper tension limit in, as far as start and goal
+"""N by which a search draws the lower and the upper tension limit in, as far as start and goal
 allow: inertia takes and adds on the real curve, and a cable with little tension is easily upset."""
+
+SNUG = 1 / 8
+"""Share of the margins that is tried first where ends stay: margins cost fitness, most curves need
+hardly any, and every plan is checked."""
 
 
 def with_ends_at(scenario: Scenario, ends: Float[np.ndarray, "cables xyz"]) -> Scenario:
@@ -31,19 +35,19 @@ def with_ends_at(scenario: Scenario, ends: Float[np.ndarray, "cables xyz"]) -> S
     return scenario.model_copy(update={"robots": robots})
 
 
-def with_margins(scenario: Scenario, moving_ends: bool = False) -> Scenario:
-    """The task with stricter limits, as much as start and goal allow."""
+def with_margins(scenario: Scenario, moving_ends: bool = False, share: float = 1.0) -> Scenario:
+    """The task with stricter limits, by a share of the margins, as start and goal allow."""
     limits = scenario.limits
     low, high = limits.tension
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
-    below, above = TENSION_MARGIN
+    below, above = (share * each for each in TENSION_MARGIN)
     if not moving_ends:
         held = static_tensions(scenario, task)
         below = min(below, 0.8 * float(held.min() - low))
         above = min(above, 0.8 * float(high - held.max()))
     below, above = (min(max(room, 0.0), (high - low) / 10) for room in (below, above))
     tension = (low + below, high - above)
-    margin = MARGIN
+    margin = share * MARGIN
     while margin > 1e-3:
         wider = _with_limits(scenario, clearance=limits.clearance + margin, tension=tension)
         if moving_ends or not _in_contact(wider):

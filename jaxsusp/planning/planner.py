@@ -11,7 +11,7 @@ from jaxsusp.errors import require, require_count, require_counts, require_known
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.registry import algorithm as algorithm_of
-from jaxsusp.planning.choices import COORDINATIONS, ENDS
+from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 from jaxsusp.planning.feasibility import require_possible
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import good, rank, with_settings
@@ -63,7 +63,8 @@ def plan(
 
     Args:
         scenario: the task, or its name or file.
-        algorithm: what searches, a name or an optimiser.
+        algorithm: what searches, a name or an optimiser; "taut" takes the taut ways through the
+            free space as they are, which are tried first in any case where ends are given.
         ends: "given" keeps the scenario's ends, or moves them by the plain rule of its drive mode;
             "placed" optimises where they stay, or chooses their way by least variance (Eq. 20)
             around the plain rule so that the cables keep clear of what the load passes.
@@ -90,10 +91,11 @@ def plan(
     scenario = load_scenario(scenario)
     require_rule(scenario)
     settings = Settings(
-        algorithm_of(algorithm), ends, coordination, runs, iterations, population, seed, samples,
-        search,
+        None if algorithm == TAUT else algorithm_of(algorithm), ends, coordination, runs,
+        iterations, population, seed, samples, search,
     )  # fmt: skip
     _require_sense(scenario, settings)
+    retries = retries if settings.optimizer else 0  # there is no luck in taut ways
     require_count("waypoints", waypoints)
     require_count("retries", retries, least=0)
     require_possible(scenario, ends)
@@ -116,7 +118,8 @@ def plan(
     assert tally.best is not None
     asked = settings._asdict()
     del asked["told"]
-    asked["algorithm"] = asked.pop("optimizer").name
+    optimizer = asked.pop("optimizer")
+    asked["algorithm"] = TAUT if optimizer is None else optimizer.name
     best = explained(tally.best, ends)
     return with_settings(best, **asked, retries=retries, attempts=made, runs_made=tally.runs)
 
@@ -132,6 +135,11 @@ def _require_sense(scenario: Scenario, settings: Settings) -> None:
     require_known("coordination", settings.coordination, COORDINATIONS)
     require_known("search", settings.search, SEARCHES)
     given, moves = settings.ends == "given", moving(scenario.drive)
+    require(
+        settings.optimizer is not None or (given and settings.search != "box"),
+        f'algorithm = "{TAUT}" goes through the free space below the ends that are there; give '
+        'ends = "given" and search = "free-space" with it, or another algorithm',
+    )
     require(
         settings.coordination == "alternation" or not (given or moves),
         'coordination = "joint" places ends that stay; give ends = "placed" and drive = "cable" '

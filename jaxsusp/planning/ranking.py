@@ -9,7 +9,7 @@ import numpy as np
 
 from jaxsusp.planning.margins import with_ends_at
 from jaxsusp.planning.plan import Plan
-from jaxsusp.problem.fitness import fitness_terms
+from jaxsusp.problem.fitness import position_terms
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
 from jaxsusp.vec3 import Vec3, pack_rows
@@ -47,17 +47,14 @@ def tracks(plan: Plan) -> bool:
 def fitness_of(scenario: Scenario, found: Plan) -> float:
     """Eq. 21 of a plan in float64, without any margin."""
     moved = scenario if found.rigging.moves else with_ends_at(scenario, found.ends)
-    x = found.waypoints.reshape(-1, 1)
     with jax.enable_x64(True):
         world = cast_world(build_world(moved, rounded_counts(moved)), np.float64)
         ends = pack_rows(jnp.asarray(found.end_path)) if found.rigging.moves else None
         with_stability = moved.limits.stability > 0
-        structure = len(found.path), with_stability, moved.drive
-        return float(_terms(world, jnp.asarray(x), *structure, ends).total[0])
+        position = Vec3.from_array(jnp.asarray(found.path))
+        return float(_terms(world, position, with_stability, moved.drive, ends).total)
 
 
-@jax.jit(static_argnums=(2, 3, 4))
-def _terms(world: World, x, samples: int, with_stability: bool, drive: str, ends: Vec3 | None):
-    if ends is not None:
-        ends = ends.each(lambda c: c[..., None])  # a batch of one candidate
-    return fitness_terms(world, x, samples, with_stability, drive, ends=ends)
+@jax.jit(static_argnums=(2, 3))
+def _terms(world: World, position: Vec3, with_stability: bool, drive: str, ends: Vec3 | None):
+    return position_terms(world, position, with_stability, drive, ends=ends)

@@ -12,7 +12,6 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-import jax
 import numpy as np
 
 from jaxsusp._types import Float
@@ -20,6 +19,7 @@ from jaxsusp.coordination.ends import place_ends
 from jaxsusp.coordination.leastvariance import moving_ends
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.rounding import rounded_ways
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
@@ -44,7 +44,7 @@ Candidate = tuple[np.ndarray, np.ndarray | None]
 class Settings(NamedTuple):
     """What a person asked for."""
 
-    optimizer: Optimizer
+    optimizer: Optimizer | None  # None: taut ways alone
     ends: str  # "given" or "placed"
     coordination: str  # "alternation" or "joint"
     runs: int
@@ -66,9 +66,22 @@ def map_space(searched: Scenario, settings: Settings) -> FreeSpace | None:
         return None
     settings.told("mapping the free space")
     with suppress(InputError):  # with its margin, a warning area can reach the end of a cable
-        space = free_space(searched, routes=settings.optimizer.from_starts)
+        space = free_space(searched)
         return space if space.connected else None
     return None
+
+
+def taut_ways(
+    searched: Scenario, settings: Settings
+) -> Iterator[Float[np.ndarray, "waypoints xyz"]]:
+    """Step 2 without luck: curves along the distinct taut ways, rounded within their regions.
+
+    As waypoints, one per sample between start and goal: the path goes through them and nowhere
+    else. What the regions do not know of (tensions, arms, ends that move) is left to the checks.
+    """
+    space = map_space(searched, settings)
+    for curve in () if space is None else rounded_ways(space, settings.samples):
+        yield curve[1:-1]
 
 
 def plan_load(
@@ -116,25 +129,21 @@ def minimise(
     first: int,
     extra: Float[np.ndarray, "1 dim"] | None = None,
 ) -> Float[np.ndarray, "candidates dim"]:
-    """Search and refine in float32; the candidates in order of fitness."""
+    """Search and refine in float32, at a price on hard turns; the candidates in order of worth."""
+    assert settings.optimizer is not None
     settings.told("searching")
+    problem = gently(problem)
     outcome = run_batch(
         stack_problems([problem]), settings.optimizer, settings.seed,
         range(first, first + settings.runs), settings.iterations, settings.population,
     )  # fmt: skip
-    found = outcome.x[0]
+    found, value = outcome.x[0], outcome.fitness[0]
     if extra is not None:  # in place of the worst, so that no other program is needed
         found = found.copy()
-        found[outcome.fitness[0].argmax()] = extra[0]
-    problem = gently(problem)
-    found = refine(problem, found, settings.seed)
-    value = np.asarray(_evaluate(problem, found))
+        found[value.argmax()] = extra[0]
+    if extra is not None or not settings.optimizer.thorough:
+        found, value = refine(problem, found, settings.seed)
     return found[np.argsort(value, kind="stable")]
-
-
-@jax.jit
-def _evaluate(problem: Problem, x):
-    return problem.evaluate(x)
 
 
 class Ends(NamedTuple):
@@ -152,6 +161,7 @@ def plan_ends(
         settings.told("leading the ends")
         led = moving_ends(scenario, path, margin=MARGIN)
         return Ends(led.ends, led.feasible)
+    assert settings.optimizer is not None
     settings.told("placing ends")
     placement = place_ends(
         with_margins(scenario, moving_ends=True), path, settings.optimizer,

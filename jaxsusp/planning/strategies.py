@@ -16,7 +16,7 @@ from jaxsusp._types import Float
 from jaxsusp.coordination.ends import JointFitness, decode, joint_problem
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.feasibility import static_tensions
-from jaxsusp.planning.margins import with_ends_at, with_margins
+from jaxsusp.planning.margins import SNUG, with_ends_at, with_margins
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import rank
 from jaxsusp.planning.steps import (
@@ -26,6 +26,7 @@ from jaxsusp.planning.steps import (
     minimise,
     plan_ends,
     plan_load,
+    taut_ways,
     verify,
 )
 from jaxsusp.planning.waypoints import sample_path
@@ -60,18 +61,29 @@ def coordinate(
         batch: of this attempt, from 0.
     """
     if settings.ends == "given":
-        return _given(scenario, settings, attempt.waypoints, first)
+        return _given(scenario, settings, attempt, first, batch)
     if moving(scenario.drive):
         return _led(scenario, settings, attempt, first)
     if settings.coordination == "joint":
         return _joint(scenario, settings, attempt.waypoints, first)
-    return _alternating(scenario, settings, attempt, first + batch)
+    return _alternating(scenario, settings, attempt, first + batch, batch)
 
 
-def _given(scenario: Scenario, settings: Settings, waypoints: int, first: int) -> Iterator[Plan]:
-    """Plans with the scenario's own ends, or those of its drive mode's plain rule."""
-    candidates = _load_alone(scenario, settings, waypoints, first)
-    yield from verify(scenario, settings, ((x, None) for x in candidates))
+def _given(
+    scenario: Scenario, settings: Settings, attempt: Attempt, first: int, batch: int
+) -> Iterator[Plan]:
+    """Plans with the scenario's own ends, or those of its drive mode's plain rule.
+
+    The first of all along taut ways; those that a search finds have to be better.
+    """
+    first_of_all = attempt.number == batch == 0
+    share = SNUG if first_of_all and not moving(scenario.drive) else 1.0
+    if first_of_all:
+        ways = taut_ways(with_margins(scenario, share=share), settings)
+        yield from verify(scenario, settings, ((way, None) for way in ways))
+    if settings.optimizer is not None:
+        candidates = _load_alone(scenario, settings, attempt.waypoints, first, share=share)
+        yield from verify(scenario, settings, ((x, None) for x in candidates))
 
 
 def _led(scenario: Scenario, settings: Settings, attempt: Attempt, first: int) -> Iterator[Plan]:
@@ -110,7 +122,7 @@ def _joint(scenario: Scenario, settings: Settings, waypoints: int, first: int) -
 
 
 def _alternating(
-    scenario: Scenario, settings: Settings, attempt: Attempt, first: int
+    scenario: Scenario, settings: Settings, attempt: Attempt, first: int, batch: int
 ) -> Iterator[Plan]:
     """Place ends, plan the load, place again, until the fitness stops improving."""
     low, high = scenario.limits.tension
@@ -121,7 +133,7 @@ def _alternating(
         # Ends for the straight line come first.
         position = np.linspace(task[0], task[1], settings.samples)
     else:
-        best = _first_good(_given(scenario, settings, attempt.waypoints, first))
+        best = _first_good(_given(scenario, settings, attempt, first, batch))
         yield best
         position = best.path
     for number in range(ROUNDS):
@@ -147,9 +159,10 @@ def _load_alone(
     first: int,
     known: Float[np.ndarray, "waypoints xyz"] | None = None,
     with_cables: bool = True,
+    share: float = 1.0,
 ) -> Float[np.ndarray, "candidates dim"]:
-    """Steps 1 and 2 for ends that are known, with the margins that the real curve needs."""
-    searched = with_margins(scenario)
+    """Steps 1 and 2 for ends that are known, with a share of the margins for the real curve."""
+    searched = with_margins(scenario, share=share)
     space = map_space(searched, settings)
     return plan_load(searched, space, settings, waypoints, first, known, with_cables)
 

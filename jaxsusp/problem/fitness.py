@@ -90,8 +90,30 @@ def fitness_terms(
         ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
             contacts are then counted by `count_between`.
     """
-    path = sampled_path(world, x, samples, drive, ends)
-    position, _, lengths, tensions = path
+    position = trajectory(world, x, samples)
+    return position_terms(world, position, with_stability, drive, with_cables, ends)
+
+
+def position_terms(
+    world: World,
+    position: Vec3,
+    with_stability: bool = False,
+    drive: str = "cable",
+    with_cables: bool = True,
+    ends: Vec3 | None = None,
+) -> FitnessTerms:
+    """All terms of Eq. 21 for sampled positions (m), whatever curve they are on.
+
+    Args:
+        world: the scenario, in the dtype of the positions.
+        position: the load's centre, samples on axis 0; trailing axes are batch.
+        with_stability: see `fitness_terms`, as the others.
+        drive: how the ends follow the load.
+        with_cables: whether cables and arms count.
+        ends: where they do not follow the mode's plain rule.
+    """
+    path = sampled_path(world, position, drive, ends)
+    lengths, tensions = path.lengths, path.tensions
     count = count_collisions if ends is None else count_between
     collisions = count(position, path.avoiding(world, with_cables), world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, path.ends)
@@ -102,7 +124,7 @@ def fitness_terms(
             violations += count_arm_contacts(world, position, path.ends, bases)
     elif world.bodies.attachments.x.shape[0] > 1:
         violations += count_turned(world, turn_at(world, position, tensions))
-    penalty = world.kappa * (collisions + violations).astype(x.dtype)
+    penalty = world.kappa * (collisions + violations).astype(position.x.dtype)
     terms = (*path.smooth_terms(world), penalty)
     return FitnessTerms(*terms, collisions, violations, weighted(world, terms))
 
@@ -133,11 +155,8 @@ class SampledPath(NamedTuple):
         )
 
 
-def sampled_path(
-    world: World, x: Float[Array, "dim *batch"], samples: int, drive: str, ends: Vec3 | None = None
-) -> SampledPath:
-    """The trajectory through the waypoints of x, with ends, lengths and tensions along it."""
-    position = trajectory(world, x, samples)
+def sampled_path(world: World, position: Vec3, drive: str, ends: Vec3 | None = None) -> SampledPath:
+    """Sampled positions, with ends, lengths and tensions along them."""
     ends = ends_at(world, position, drive) if ends is None else ends
     return SampledPath(position, ends, *tensions_at(world, position, ends))
 

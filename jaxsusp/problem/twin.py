@@ -14,7 +14,7 @@ from jaxsusp._types import Array, Float
 from jaxsusp.geometry.penetration import charge, sum_depths
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.problem.constraints import SINGLE_PRECISION_STABILITY, WORKSPACE_TOLERANCE
-from jaxsusp.problem.fitness import SampledPath, sampled_path, weighted
+from jaxsusp.problem.fitness import SampledPath, sampled_path, trajectory, weighted
 from jaxsusp.scenario.world import World
 from jaxsusp.suspension.armclearance import arm_excess
 from jaxsusp.suspension.levelload import (
@@ -66,7 +66,7 @@ def twin_fitness(
         with_cables: whether cables and arms count, or the load alone.
         band: share of a `Unit` within which what is clear costs already, see `charge`.
     """
-    path, unit = sampled_path(world, x, samples, drive), Unit.of(world)
+    path, unit = sampled_path(world, trajectory(world, x, samples), drive), Unit.of(world)
 
     def price(depth: Array) -> Array:
         return charge(depth / unit.length, band)

@@ -8,9 +8,7 @@ the fewest generations. In every part of the run only the better half of those g
 before ended with (successive halving: Karnin, Koren & Somekh 2013): what cannot win leaves its
 budget to what can.
 
-One island more knows nothing of ways: it begins wide, about the best of a random crowd, and needs
-longer. A part of every generation is its own until the last part of the run, in which it has to
-win like the others.
+One island more knows nothing of ways: it begins wide, about the best of a random crowd.
 
 Candidates are kept within the bounds alone. Regions leave out slivers beside the obstacles, which
 is where the best ways go; islands begin on clear ways, and contacts cost what they cost.
@@ -55,7 +53,6 @@ class RoutedCoefficients(NamedTuple):
     step: float = 0.1  # about a given start, in shares of its spread
     wide: float = 0.3  # about a random start, in shares of the range
     halving: float = 1.0  # 0: all islands go on to the end
-    free: float = 1.0
 
 
 class RoutedState(NamedTuple):
@@ -79,7 +76,7 @@ def routed(**coefficients: float) -> Optimizer:
         The optimiser named "routed".
     """
     chosen = RoutedCoefficients(**coefficients)
-    return Optimizer("routed", Partial(_init, chosen), Partial(_step, chosen), from_starts=True)
+    return Optimizer("routed", Partial(_init, chosen), Partial(_step, chosen), thorough=True)
 
 
 def _init(c: RoutedCoefficients, key, problem: Problem, population: int, iterations: int):
@@ -93,13 +90,15 @@ def _init(c: RoutedCoefficients, key, problem: Problem, population: int, iterati
         x = problem.clip(jnp.where(there[:, None], starts.x, problem.reference[None]))
         share = c.step * starts.spread / (problem.high - problem.low)
         spread = jnp.where(there[:, None], share, c.wide).astype(x.dtype)
-        crowd = problem.sample(key, CROWD)
-        free = best_of(crowd, problem.evaluate(crowd)).x
-        x = jnp.concatenate([x, free[None]])
-        spread = jnp.concatenate([spread, jnp.full_like(spread[:1], c.wide)])
-        there = jnp.append(there, True)
-    _require_time(population, iterations, len(x))
-    fitness = jnp.where(there, problem.evaluate(x), jnp.inf)
+    islands = len(x) + 1
+    _require_time(population, iterations, islands)
+    seeds = jnp.concatenate([x, problem.sample(key, CROWD)])
+    value = problem.evaluate(seeds)
+    free = best_of(seeds[len(x) :], value[len(x) :])
+    x = jnp.concatenate([x, free.x[None]])
+    spread = jnp.concatenate([spread, jnp.full_like(x[:1], c.wide)])
+    there = jnp.append(there, True)
+    fitness = jnp.append(jnp.where(there[:-1], value[: islands - 1], jnp.inf), free.fitness)
     begun = jax.vmap(gaussian, in_axes=(0, 0, None))
     return RoutedState(
         begun(to_unit(problem, x), spread, problem.dim > SEPARABLE),
@@ -159,10 +158,6 @@ def _whose_turn(c: RoutedCoefficients, state: RoutedState, lanes: int) -> Array:
     part = PARTS * (state.clock.iteration - 1) // state.clock.horizon
     left = jnp.ceil(state.there.astype(dtype).sum() / 2 ** (c.halving * part.astype(dtype)))
     left = jnp.maximum(left, lanes)
-    apart = (part < c.free) * (lanes > 1)
     rank = jnp.argsort(jnp.argsort(state.fitness, stable=True), stable=True).astype(dtype)
     out = jnp.iinfo(jnp.int32).max
-    turns = jnp.where(rank < left, state.islands.generation, out)
-    last = jnp.arange(len(turns)) == len(turns) - 1
-    turns = jnp.where(last & (apart > 0), -1, turns)
-    return jnp.argsort(turns, stable=True)[:lanes]
+    return jnp.argsort(jnp.where(rank < left, state.islands.generation, out), stable=True)[:lanes]
