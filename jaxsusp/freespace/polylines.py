@@ -30,6 +30,7 @@ class Polyhedra:
         self._b = np.concatenate([np.empty(0), *(each.b for each in members)]) + grown
         counts = [len(each.b) for each in members]
         self._first = np.cumsum([0, *counts[:-1]]) if counts else np.empty(0, int)
+        self._stop = np.cumsum(counts, dtype=int)
 
     def cut(
         self, one: Float[np.ndarray, "*batch 3"], two: Float[np.ndarray, "*batch 3"]
@@ -38,20 +39,28 @@ class Polyhedra:
         if not self.members:
             none = np.empty((*one.shape[:-1], 0))
             return none, none
-        start, slope = one @ self._A.T - self._b, (two - one) @ self._A.T
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = -start / slope
-        level = slope == 0
-        low = np.where(level, np.where(start > 0, np.inf, 0.0), np.where(slope < 0, at, 0.0))
-        high = np.where(slope > 0, at, 1.0)
+        low, high = _cut(self._A, self._b, one, two)
         low = np.maximum.reduceat(low, self._first, axis=-1)
         high = np.minimum.reduceat(high, self._first, axis=-1)
-        return np.maximum(low, 0), np.minimum(high, 1)
+        return low, high
 
     def met(self, one: Points, two: Points) -> Bool[np.ndarray, " segments"]:
-        """Which segments pass through the inside of any of them."""
-        low, high = self.cut(one, two)
-        return np.asarray((low < high).any(axis=-1))
+        """Which segments pass through the inside of any of them.
+
+        Most are beyond one face of a member with both ends, which is quickly told; only the others
+        are cut.
+        """
+        met = np.zeros(len(one), bool)
+        if not self.members:
+            return met
+        beyond = (one @ self._A.T > self._b) & (two @ self._A.T > self._b)
+        near = ~np.logical_or.reduceat(beyond, self._first, axis=-1)
+        for member in np.flatnonzero(near.any(axis=0)):
+            rows = np.flatnonzero(near[:, member] & ~met)
+            faces = slice(self._first[member], self._stop[member])
+            low, high = _cut(self._A[faces], self._b[faces], one[rows], two[rows])
+            met[rows] = low.max(axis=-1) < high.min(axis=-1)
+        return met
 
     def cover(self, one: Point, two: Point) -> list[int]:
         """Members that hold a segment one after the other; none where it leaves them all."""
@@ -65,6 +74,17 @@ class Polyhedra:
             found.append(best)
             at = reach[best] + _STEP
         return found
+
+
+def _cut(A: np.ndarray, b: np.ndarray, one: Points, two: Points) -> tuple[np.ndarray, np.ndarray]:
+    """From which to which share of its length, in 0 to 1, a segment is behind every face."""
+    start, slope = one @ A.T - b, (two - one) @ A.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = -start / slope
+    level = slope == 0
+    low = np.where(level, np.where(start > 0, np.inf, 0.0), np.where(slope < 0, at, 0.0))
+    high = np.where(slope > 0, at, 1.0)
+    return np.maximum(low, 0), np.minimum(high, 1)
 
 
 def length(line: Points) -> float:
