@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 FILE = bestknown.FILE
 WAYPOINTS, SAMPLES, ITERATIONS, POPULATION = 5, 40, 500, 90
 SEARCHES = (("cmaes", "box"), ("routed", "free-space"))
+PADDED = 16  # obstacles of every kind: most scenes share a compiled program
 MOST = 5  # candidates of a search that are judged: in float32 the best may be the second
 
 Found = tuple["js.Scenario", np.ndarray, str, int]
@@ -120,8 +121,12 @@ def judge(scenario: "js.Scenario", x: np.ndarray, samples: int) -> float:
 
     import jaxsusp as js
 
+    from jaxsusp.scenario.world import build_world, rounded_counts
+
+    padded = [max(PADDED, count) for count in rounded_counts(scenario)]
+    world = build_world(scenario, padded)
     with jax.enable_x64(True):
-        problem = js.Problem.from_scenario(scenario, len(x) // 3, samples, "box", np.float64)
+        problem = js.Problem.from_scenario(scenario, len(x) // 3, samples, "box", np.float64, world)
         terms = compiled_terms()(problem, x)
         return float(terms.total) if terms.collisions + terms.violations == 0 else np.inf
 
