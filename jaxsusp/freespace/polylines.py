@@ -76,7 +76,7 @@ class Polyhedra:
         return found
 
 
-def _cut(A: np.ndarray, b: np.ndarray, one: Points, two: Points) -> tuple[np.ndarray, np.ndarray]:
+def _cut(A, b, one, two) -> tuple[np.ndarray, np.ndarray]:
     """From which to which share of its length, in 0 to 1, a segment is behind every face."""
     start, slope = one @ A.T - b, (two - one) @ A.T
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -45,20 +45,22 @@ def test_the_race_gives_turns_to_those_that_can_win():
 
 def test_without_halving_all_islands_have_as_many_turns():
     turns = np.asarray(run(problem(CORNERS), halving=0.0).islands.generation)
-    assert sorted(turns) == [0, 12, 12, 12, 12]
+    assert turns[3] == 0
+    assert turns.sum() == 24 * 2
+    assert set(turns[[0, 1, 2, 4, 5]]) == {9, 10}
 
 
 def test_without_starts_islands_begin_anywhere():
     state = run(problem())
-    assert state.fitness.shape == (ISLANDS,)
+    assert state.fitness.shape == (ISLANDS + 1,), "and one about the best of a crowd"
     np.testing.assert_allclose(np.abs(state.best.x), 0.5, atol=1e-2)
     assert state.best.fitness < 0.01
 
 
 @pytest.mark.fast
 def test_a_run_that_is_too_short_for_the_islands_says_how_long_it_must_be():
-    least = PARTS * 5
-    with pytest.raises(InputError, match=f"too few for 5 islands .*at least {least} iterations"):
+    least = PARTS * 6
+    with pytest.raises(InputError, match=f"too few for 6 islands .*at least {least} iterations"):
         js.minimize(problem(CORNERS), "routed", iterations=least - 1, population=CROWD)
 
 
@@ -66,6 +68,6 @@ def test_ways_that_other_searches_miss_are_found(scenarios):
     """Scenario 4: best round the outside (96.16), where the shortest route does not go."""
     found = js.minimize(
         js.Problem.from_scenario(scenarios[3], dtype=np.float32), "routed", runs=3,
-        iterations=250, population=90,
+        iterations=400, population=90,
     )  # fmt: skip
     assert found.fitness.max() < 1.005 * 96.1629

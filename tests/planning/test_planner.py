@@ -41,6 +41,25 @@ def test_a_plan_is_feasible_certified_and_says_how_it_was_found(plan, events):
     assert {event.phase for event in events} == phases
 
 
+def test_taut_ways_alone_make_plans_without_any_search(plan, monkeypatch):
+    monkeypatch.setattr(steps, "run_batch", lambda *_: pytest.fail("searched"))
+    taut = js.plan("scenario-1", "taut")
+    assert taut.feasible
+    assert taut.settings["algorithm"] == "taut"
+    assert taut.settings["attempts"] == 1
+    assert taut.settings["fitness"] >= plan.settings["fitness"], "a search has to be better"
+    np.testing.assert_allclose(taut.path[1:-1], taut.waypoints, atol=1e-9)  # it is its own curve
+    assert js.verify_plan(taut, simulation=False).ok
+
+
+@pytest.mark.parametrize(
+    "settings", [{"ends": "placed"}, {"search": "box"}], ids=["ends", "search"]
+)
+def test_taut_ways_go_below_given_ends_through_the_free_space(settings):
+    with pytest.raises(js.InputError, match='algorithm = "taut" goes through the free space'):
+        js.plan("scenario-1", "taut", **settings)
+
+
 def test_the_same_seed_gives_the_same_plan(plan):
     again = js.plan("scenario-1", "pso", seed=1, **SMALL)
     np.testing.assert_array_equal(again.waypoints, plan.waypoints)
@@ -56,6 +75,7 @@ def test_without_success_the_best_attempt_comes_back_with_reasons(monkeypatch, p
         return np.stack([through_the_wall, through_the_wall + 0.1])
 
     monkeypatch.setattr(strategies, "plan_load", stubborn)
+    monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
     failed = js.plan("scenario-1", "pso", retries=3, **SMALL)
     assert not failed.feasible
     assert any("low wall" in reason for reason in failed.reasons)
@@ -68,6 +88,7 @@ def test_without_success_the_best_attempt_comes_back_with_reasons(monkeypatch, p
 
 def test_a_feasible_plan_that_does_not_track_is_only_second_best(monkeypatch, plan):
     verdicts = iter([False, True])
+    monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
     monkeypatch.setattr(steps, "tracks", lambda found: next(verdicts))
     monkeypatch.setattr(
         strategies, "plan_load",
@@ -104,7 +125,8 @@ def test_ends_that_are_too_low_are_told_with_cable_and_place(scenarios):
 
 def test_ends_are_led_past_what_fixed_ones_cannot_pass(monkeypatch):
     """The straight way of the example, which no ends that stay can do."""
-    monkeypatch.setattr(steps, "refine", lambda problem, x, seed: (x, np.arange(len(x))))  # of which nothing is better
+    # Of which nothing is better:
+    monkeypatch.setattr(steps, "refine", lambda problem, x, seed: (x, np.arange(len(x))))
     led = js.plan("hybrid", "pso", "placed", **SMALL)
     assert led.feasible, led.reasons
     assert led.ends.shape == (40, 3, 3)
