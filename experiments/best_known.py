@@ -120,7 +120,6 @@ def judge(scenario: "js.Scenario", x: np.ndarray, samples: int) -> float:
     import jax
 
     import jaxsusp as js
-
     from jaxsusp.scenario.world import build_world, rounded_counts
 
     padded = [max(PADDED, count) for count in rounded_counts(scenario)]

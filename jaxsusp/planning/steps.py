@@ -175,12 +175,22 @@ def verify(
     scenario: Scenario, settings: Settings, candidates: Iterable[Candidate]
 ) -> Iterator[Plan]:
     """Step 5: candidates on real curves, with all checks, until one leaves nothing to wish for."""
-    for x, ends in candidates:
-        settings.told("checking")
-        waypoints = np.asarray(x, np.float64).reshape(-1, 3)
-        found = plan_through(scenario, waypoints, ends, settings.samples)
-        tracked = found.feasible and tracks(found)
-        found = with_settings(found, fitness=fitness_of(scenario, found), tracked=tracked)
+    for candidate in candidates:
+        found = played(checked(scenario, settings, candidate))
         yield found
         if good(found):
             return
+
+
+def checked(scenario: Scenario, settings: Settings, candidate: Candidate) -> Plan:
+    """A candidate on its real curve, with all checks but the simulation."""
+    settings.told("checking")
+    x, ends = candidate
+    waypoints = np.asarray(x, np.float64).reshape(-1, 3)
+    found = plan_through(scenario, waypoints, ends, settings.samples)
+    return with_settings(found, fitness=fitness_of(scenario, found), tracked=False)
+
+
+def played(found: Plan) -> Plan:
+    """The plan with what simulation says of it."""
+    return with_settings(found, tracked=found.feasible and tracks(found))

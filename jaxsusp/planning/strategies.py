@@ -18,14 +18,16 @@ from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.feasibility import static_tensions
 from jaxsusp.planning.margins import SNUG, with_ends_at, with_margins
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import rank
+from jaxsusp.planning.ranking import good, rank
 from jaxsusp.planning.steps import (
     Candidate,
     Settings,
+    checked,
     map_space,
     minimise,
     plan_ends,
     plan_load,
+    played,
     taut_ways,
     verify,
 )
@@ -74,16 +76,26 @@ def _given(
 ) -> Iterator[Plan]:
     """Plans with the scenario's own ends, or those of its drive mode's plain rule.
 
-    The first of all along taut ways; those that a search finds have to be better.
+    First of all along taut ways; what a search finds then has to be better.
     """
     first_of_all = attempt.number == batch == 0
     share = SNUG if first_of_all and not moving(scenario.drive) else 1.0
-    if first_of_all:
-        ways = taut_ways(with_margins(scenario, share=share), settings)
+    ways = taut_ways(with_margins(scenario, share=share), settings) if first_of_all else ()
+    if settings.optimizer is None:
         yield from verify(scenario, settings, ((way, None) for way in ways))
-    if settings.optimizer is not None:
-        candidates = _load_alone(scenario, settings, attempt.waypoints, first, share=share)
-        yield from verify(scenario, settings, ((x, None) for x in candidates))
+        return
+    taut = _first_feasible(checked(scenario, settings, (way, None)) for way in ways)
+    candidates = _load_alone(scenario, settings, attempt.waypoints, first, share=share)
+    for found in verify(scenario, settings, ((x, None) for x in candidates)):
+        yield found
+        if good(found) and taut and found.settings["fitness"] <= taut.settings["fitness"]:
+            return
+    if taut:
+        yield played(taut)
+
+
+def _first_feasible(tries: Iterable[Plan]) -> Plan | None:
+    return next((found for found in tries if found.feasible), None)
 
 
 def _led(scenario: Scenario, settings: Settings, attempt: Attempt, first: int) -> Iterator[Plan]:
