@@ -102,7 +102,7 @@ def test_attributes_tell_where_the_numbers_come_from(two, scenarios):
     digests = {each.name: each.digest for each in scenarios if each.name in SCENARIOS}
     assert settings == {
         "iterations": 40, "population": 30, "seed": 0, "waypoints": 5, "samples": 40,
-        "search": "free-space", "budget": "iterations", "scenarios": digests,
+        "search": "free-space", "budget": "iterations", "polish": False, "scenarios": digests,
     }  # fmt: skip
     assert two.attrs["seed"] == 0
     assert json.loads(two.attrs["versions"]).keys() == {"python", *results.PACKAGES}
