@@ -133,6 +133,6 @@ def _tried(walk: _Walk, slopes: Array) -> tuple[Array, Any]:
         with jax.numpy_dtype_promotion("standard"), jax.numpy_rank_promotion("allow"):
             direction, known = jax.vmap(method.update)(slopes, known, walk.unit)
         steps = jnp.asarray(steps, walk.unit.dtype)[None, :, None]
-        tried.append(walk.unit[:, None] - steps * direction[:, None])
+        tried.append(walk.unit[:, None] - steps * jnp.asarray(direction)[:, None])
         memory.append(known)
     return jnp.clip(jnp.concatenate(tried, axis=1), 0, 1), tuple(memory)
