@@ -67,6 +67,9 @@ def compare(
             help='Equal "iterations" (the paper), "evaluations" or measured "time" for all.'
         ),
     ] = BUDGETS[0],
+    polish: Annotated[
+        bool, flag("--polish", "Improve every run's best along a gradient at the end.")
+    ] = False,
     search: Search = SEARCH,
     waypoints: Waypoints = 5,
     samples: Samples = 40,
@@ -100,8 +103,8 @@ def compare(
             drawn = random_scenarios(random or 0, lambda name, i: bar.drawing(name, i, random or 0))
             ds = comparison.compare(
                 [*chosen, *drawn], named, runs, iterations, population, seed,
-                budget=budget, search=search, waypoints=waypoints, samples=samples,
-                output=output, resume=resume, progress=bar.told,
+                budget=budget, polish=polish, search=search, waypoints=waypoints,
+                samples=samples, output=output, resume=resume, progress=bar.told,
             )  # fmt: skip
         except KeyboardInterrupt:
             interrupted(

@@ -49,6 +49,7 @@ def compare(
     seed: int = 0,
     *,
     budget: str = "iterations",
+    polish: bool = False,
     search: str = SEARCHES[0],
     waypoints: int = 5,
     samples: int = 40,
@@ -69,6 +70,10 @@ def compare(
             as many as fit into population × (iterations + 1) fitness evaluations; "time" as many
             as fit into the time that the slowest takes for `iterations`, measured here and now,
             see `comparison.timebudget`. What was made is in the dataset's `iterations`.
+        polish: whether the best of every run of every algorithm is improved along a gradient at
+            the end, see `optim.polish`. It costs all of them equally much, `evaluations_polish`,
+            which comes on top of any budget; `evaluations` and the seconds count it, and
+            `history` ends before it.
         search: what waypoints are kept in: "free-space", "ellipsoid" or "box", see
             `problem.search`; the first two compute every scenario's free space once.
         waypoints: free waypoints m between start and goal; D = 3m.
@@ -104,7 +109,7 @@ def compare(
 
     groups = stack_scenarios(chosen, waypoints, samples, search, told)
     units = [
-        Unit.plan(group, optimizer, iterations, population, budget)
+        Unit.plan(group, optimizer, iterations, population, budget, polish)
         for optimizer in optimizers
         for group in groups
     ]
@@ -116,6 +121,7 @@ def compare(
         "samples": samples,
         "search": search,
         "budget": budget,
+        "polish": polish,
         "scenarios": {scenario.name: scenario.digest for scenario in chosen},
     }
     store = Store(

@@ -70,6 +70,7 @@ VARIABLES: dict[str, Variable] = {
     ),
     "evaluations": Variable(_CELL, np.int64, "fitness evaluations per run"),
     "evaluations_initial": Variable(_CELL, np.int64, "of these, before the first iteration"),
+    "evaluations_polish": Variable(_CELL, np.int64, "of these, after the last iteration"),
     "stability_acted": Variable(_RUN, np.float64, "share of beetles that Eq. 19 acted on"),
     "stability_kept": Variable(_RUN, np.float64, "share of beetles that Eq. 19 improved"),
     "obstacles": Variable(("scenario",), np.int64, "number of obstacles"),

@@ -9,7 +9,10 @@ from jaxsusp.comparison.bestknown import value_of
 
 
 def brought_up_to_date(ds: xr.Dataset) -> xr.Dataset:
-    """Add the variables of `ADDED` that were not there yet; anything else stays as it is."""
+    """Add what `ADDED` and `SETTINGS` hold and was not there; anything else stays as it is."""
+    settings = json.loads(ds.attrs["settings"])
+    if SETTINGS.keys() - settings.keys():
+        ds = ds.assign_attrs(settings=json.dumps({**SETTINGS, **settings}))
     return ds.assign({name: found(ds) for name, found in ADDED.items() if name not in ds})
 
 
@@ -32,5 +35,16 @@ def _evaluations_initial(ds: xr.Dataset) -> xr.DataArray:
     return (ds["evaluations"] % ran.clip(min=1)).astype(np.int64)
 
 
-ADDED = {"best_known": _best_known, "evaluations_initial": _evaluations_initial}
+def _evaluations_polish(ds: xr.Dataset) -> xr.DataArray:
+    return xr.zeros_like(ds["evaluations"])
+
+
+ADDED = {
+    "best_known": _best_known,
+    "evaluations_initial": _evaluations_initial,
+    "evaluations_polish": _evaluations_polish,
+}
 """Variables that came later, and what stands for them."""
+
+SETTINGS = {"polish": False}
+"""Settings that came later, and what was always done before."""

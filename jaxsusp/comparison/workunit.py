@@ -18,6 +18,7 @@ from jaxsusp.errors import InputError
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.batch import Outcome, run_batch, time_iteration
 from jaxsusp.optim.loop import Evaluations, count_evaluations
+from jaxsusp.optim.polish import EVALUATIONS, polish_batch
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
@@ -96,12 +97,21 @@ class Unit(NamedTuple):
     iterations: int
     population: int
     per_run: Evaluations
+    polish: bool = False
 
     @classmethod
     def plan(
-        cls, group: Group, optimizer: Optimizer, iterations: int, population: int, budget: str
+        cls,
+        group: Group,
+        optimizer: Optimizer,
+        iterations: int,
+        population: int,
+        budget: str,
+        polish: bool = False,
     ) -> "Unit":
         """Decide the iterations: as asked, or as many as the common budget of evaluations allows.
+
+        What polishing costs is equal for all and comes on top.
 
         Raises:
             InputError: the budget does not allow one iteration.
@@ -116,11 +126,20 @@ class Unit(NamedTuple):
                     'iterations or budget = "iterations"'
                 )
             iterations = per_run.affordable(allowed)
-        return cls(group, optimizer, iterations, population, per_run)
+        return cls(group, optimizer, iterations, population, per_run, polish)
+
+    @property
+    def evaluations(self) -> int:
+        """Fitness evaluations of a whole run."""
+        return self.per_run.total(self.iterations) + self._after
+
+    @property
+    def _after(self) -> int:
+        return EVALUATIONS if self.polish else 0
 
     def cost(self, runs: int) -> int:
         """Fitness evaluations of so many runs on all scenarios of the group."""
-        return runs * len(self.group.scenarios) * self.per_run.total(self.iterations)
+        return runs * len(self.group.scenarios) * self.evaluations
 
     def missing(self, runs: int, finished: Sequence[xr.Dataset]) -> list[int]:
         """Which of the first so many runs are in none of the finished datasets."""
@@ -159,6 +178,8 @@ class Unit(NamedTuple):
             self.population,
             report,
         )
+        if self.polish:
+            outcome = polish_batch(self.group.problems, outcome)
         return self._describe(outcome, runs)
 
     def _describe(self, outcome: Outcome, runs: Sequence[int]) -> xr.Dataset:
@@ -179,8 +200,14 @@ class Unit(NamedTuple):
             "stability_kept": getattr(outcome.info, "kept", nothing),
             "position": found.position,
             "curvature_radius": found.curvature_radius,
-            "evaluations": np.full(len(self.group.names), self.per_run.total(self.iterations)),
-            "evaluations_initial": np.full(len(self.group.names), self.per_run.initial),
+        }
+        per_run |= {
+            name: np.full(len(self.group.names), count)
+            for name, count in (
+                ("evaluations", self.evaluations),
+                ("evaluations_initial", self.per_run.initial),
+                ("evaluations_polish", self._after),
+            )
         }
         values = {name: np.expand_dims(value, 1) for name, value in per_run.items()}
         values |= {

@@ -2,7 +2,7 @@
 
 A depth is positive where the test of the same name says that the two meet, and negative where they
 are apart: the least of what every separating axis of the test tells, so that its gradient is the
-direction of the shortest way out. Apart, it is no distance, but never more than it in size.
+direction of a way out, of the shortest where the body is no cylinder. Apart, it is no distance.
 """
 
 import functools
@@ -13,7 +13,7 @@ from jaxsusp._types import Array, Float
 from jaxsusp.geometry.segments import SweptTests
 from jaxsusp.vec3 import Vec3, cross, dot, norm, safe_sqrt
 
-_TINY = 1e-20  # m²; a shorter axis tells nothing
+_TINY = 1e-18  # m²; a shorter axis tells nothing, and its gradients are beyond float32
 _FAR = 1e6  # m; the depth along an axis that tells nothing
 
 
@@ -39,11 +39,11 @@ def segment_in_cylinder(a: Vec3, b: Vec3, radius, half_height) -> Float[Array, "
     """Depth (m) of segment a-b in the vertical cylinder about the origin.
 
     The less of what the segment and the slab |z| <= half_height have in common in height, and of
-    what the part inside the slab lacks from the radius.
+    what the part inside the slab lacks from the radius: by that far a level move gets it out.
     """
     along = b - a
     vertical = half_height + 0.5 * jnp.abs(along.z) - jnp.abs(a.z + 0.5 * along.z)
-    level = along.z == 0
+    level = along.z**2 <= _TINY
     per_z = 1 / jnp.where(level, 1, along.z)
     bottom, top = (-half_height - a.z) * per_z, (half_height - a.z) * per_z
     enter = jnp.where(level, 0, jnp.clip(jnp.minimum(bottom, top), 0, 1))

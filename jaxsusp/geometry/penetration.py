@@ -125,7 +125,10 @@ def _directions(moving: _Moving) -> _Moving:
 
 
 def _backward(gradient: _Moving, cotangent: Array) -> tuple[Any, None]:
-    return jax.tree.map(lambda leaf: leaf * cotangent, gradient), None
+    def scaled(leaf: Array) -> Array:
+        return leaf * cotangent.reshape(*(1,) * (leaf.ndim - cotangent.ndim), *cotangent.shape)
+
+    return jax.tree.map(scaled, gradient), None
 
 
 _summed.defvjp(_forward, _backward)
@@ -133,15 +136,16 @@ _summed.defvjp(_forward, _backward)
 
 def _counted(kind: str, obstacle: Any, moving: _Moving, still: _Still) -> tuple[Array, Array]:
     """What the load (segments, …) and the cables (K, segments, …) count against one obstacle."""
-    bodies, motion = still.bodies, Motion.between(moving.start, moving.stop)
+    before, after = (each.each(lambda c: c[None]) for each in (moving.start, moving.stop))
+    motion, bodies = Motion.between(before, after), still.bodies  # beside the cables' axis
     cables = _all_cables(moving, bodies)
     load, *held = HELD_AGAINST[kind](obstacle, motion, bodies, cables, DEPTHS)
-    none = jnp.full((0, *load.shape), -jnp.inf, load.dtype)
+    none = jnp.full((0, *load.shape[1:]), -jnp.inf, load.dtype)
 
     def amount(depth: Array) -> Array:
         return jnp.where(obstacle.active, charge(depth / still.unit, still.band), 0)
 
-    return amount(load), amount(held[0] if held else none)
+    return amount(load[0]), amount(held[0] if held else none)
 
 
 def _all_cables(moving: _Moving, bodies: Bodies) -> tuple[SweptCable, ...]:

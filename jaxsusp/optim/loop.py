@@ -32,7 +32,7 @@ class Evaluations(NamedTuple):
     per_step: int
 
     def total(self, iterations: int) -> int:
-        """Evaluations of a whole run."""
+        """Evaluations of all iterations of a run, and before."""
         return self.initial + iterations * self.per_step
 
     def affordable(self, budget: int) -> int:

@@ -10,6 +10,7 @@ from jaxsusp.errors import require_counts, require_seed
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import count_evaluations
+from jaxsusp.optim.polish import EVALUATIONS, polish_batch
 from jaxsusp.optim.registry import algorithm
 from jaxsusp.problem.problem import Problem, stack_problems
 
@@ -36,6 +37,7 @@ def minimize(
     runs: int = 20,
     iterations: int = 500,
     population: int = 30,
+    polish: bool = False,
 ) -> Result:
     """Minimise a problem, in the dtype of its bounds.
 
@@ -46,6 +48,8 @@ def minimize(
         runs: number of independent runs.
         iterations: iterations per run.
         population: candidates per iteration.
+        polish: whether the best of every run is improved along a gradient at the end, see
+            `optim.polish`. `evaluations` counts it; `history` ends before it.
 
     Returns:
         A `Result` with runs on the leading axis.
@@ -56,13 +60,15 @@ def minimize(
     require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)
     optimizer = algorithm(optimizer)
-    outcome = run_batch(
-        stack_problems([problem]), optimizer, seed, range(runs), iterations, population
-    )
+    stacked = stack_problems([problem])
+    outcome = run_batch(stacked, optimizer, seed, range(runs), iterations, population)
+    evaluations = count_evaluations(optimizer, problem, population).total(iterations)
+    if polish:
+        outcome, evaluations = polish_batch(stacked, outcome), evaluations + EVALUATIONS
     return Result(
         outcome.x[0],
         outcome.fitness[0],
         outcome.history[0],
-        count_evaluations(optimizer, problem, population).total(iterations),
+        evaluations,
         jax.tree.map(lambda leaf: leaf[0], outcome.info),
     )

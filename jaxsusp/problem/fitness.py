@@ -126,7 +126,7 @@ def position_terms(
         violations += count_turned(world, turn_at(world, position, tensions))
     penalty = world.kappa * (collisions + violations).astype(position.x.dtype)
     terms = (*path.smooth_terms(world), penalty)
-    return FitnessTerms(*terms, collisions, violations, weighted(world, terms))
+    return FitnessTerms._make((*terms, collisions, violations, weighted(world, terms)))
 
 
 class SampledPath(NamedTuple):

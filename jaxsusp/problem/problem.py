@@ -222,7 +222,7 @@ class Problem:
         value = population(x).astype(x.dtype)
         return jnp.where(jnp.isfinite(value), value, jnp.inf)
 
-    def twin(self, x: Float[Array, "pop dim"], band=0.0) -> Float[Array, "pop"]:
+    def twin(self, x: Float[Array, "pop dim"], band: Any = 0.0) -> Float[Array, "pop"]:
         """A fitness with a gradient that is of use: that of the suspension's smooth twin.
 
         Equal to the fitness wherever nothing is in contact and no limit is violated, see

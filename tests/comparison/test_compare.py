@@ -16,6 +16,7 @@ from jaxsusp.comparison import workunit
 from jaxsusp.comparison.store import FILE, PARTS
 from jaxsusp.optim.base import Best, NoInfo
 from jaxsusp.optim.batch import Outcome
+from jaxsusp.optim.polish import EVALUATIONS
 
 SCENARIOS = ("scenario-1", "scenario-3")
 ALGORITHMS = ("ga", "sdbo")
@@ -102,7 +103,7 @@ def test_attributes_tell_where_the_numbers_come_from(two, scenarios):
     digests = {each.name: each.digest for each in scenarios if each.name in SCENARIOS}
     assert settings == {
         "iterations": 40, "population": 30, "seed": 0, "waypoints": 5, "samples": 40,
-        "search": "free-space", "budget": "iterations", "scenarios": digests,
+        "search": "free-space", "budget": "iterations", "polish": False, "scenarios": digests,
     }  # fmt: skip
     assert two.attrs["seed"] == 0
     assert json.loads(two.attrs["versions"]).keys() == {"python", *results.PACKAGES}
@@ -256,6 +257,54 @@ def test_parts_of_another_measurement_are_not_put_into_an_old_file(paces, fake, 
         js.compare("scenario-1", ("pso", "ga"), **settings, progress=interrupt_after("pso"))
     ds = js.compare("scenario-1", ("pso", "ga"), **settings, resume=True)
     assert ds["iterations"].values.tolist() == [24, 6]
+
+
+@pytest.fixture
+def polishing(monkeypatch, fake):
+    """Polishing that takes five seconds and moves every point a little; lists its batches."""
+    batches = []
+
+    def polish_batch(problems, outcome):
+        batches.append(outcome.x.shape)
+        seconds = outcome.seconds_run + 5
+        return outcome._replace(x=outcome.x + np.float32(1e-3), seconds_run=seconds)
+
+    monkeypatch.setattr(workunit, "polish_batch", polish_batch)
+    return batches
+
+
+@pytest.mark.parametrize("budget", ["iterations", "evaluations"])
+def test_polishing_is_counted_and_comes_on_top_of_a_budget(polishing, budget):
+    events, settings = [], {**SMALL, "budget": budget}
+    plain = js.compare("scenario-1", ("pso", "ga"), **settings)
+    assert polishing == []
+    assert not plain["evaluations_polish"].any()
+    ds = js.compare("scenario-1", ("pso", "ga"), **settings, polish=True, progress=events.append)
+    assert polishing == [(1, 2, 15)] * 2
+    assert (ds["evaluations_polish"] == EVALUATIONS).all()
+    assert (ds["evaluations"] == plain["evaluations"] + EVALUATIONS).all()
+    assert (ds["seconds_run"] == plain["seconds_run"] + 5).all()
+    assert events[-1].total == events[-1].done == 2 * ds["evaluations"].sum()
+    for name in ("history", "iterations", "evaluations_initial"):
+        xr.testing.assert_identical(ds[name], plain[name])
+    np.testing.assert_allclose(ds["x"], plain["x"] + 1e-3, atol=1e-6)
+    assert (ds["fitness"] != plain["fitness"]).all(), "evaluated anew where it was moved to"
+
+
+def test_a_file_from_before_polishing_goes_on_without_it(folder, fake, polishing):
+    ds = js.load_results(folder / FILE)
+    settings = json.loads(ds.attrs["settings"])
+    del settings["polish"]
+    old = ds.drop_vars("evaluations_polish").assign_attrs(settings=json.dumps(settings))
+    old.to_netcdf(folder / FILE, engine="h5netcdf")
+    assert not js.load_results(folder / FILE)["evaluations_polish"].any()
+    with pytest.raises(js.InputError, match=r"polish \(False and True\)"):
+        again(folder, polish=True)
+    assert not fake
+    assert again(folder, runs=3)["fitness"].notnull().all()
+    assert polishing == []
+    more = js.compare("scenario-1", "dbo", **SMALL)
+    assert js.append_results(js.load_results(folder / FILE), more).sizes["algorithm"] == 3
 
 
 def test_what_is_not_finite_is_never_the_best(fake, monkeypatch):
@@ -430,6 +479,7 @@ def test_without_resume_old_results_are_replaced(folder, fake):
         ({"seed": 1}, r"seed \(0 and 1\)"),
         ({"iterations": 5}, r"iterations \(6 and 5\)"),
         ({"budget": "evaluations"}, r"budget \('iterations' and 'evaluations'\)"),
+        ({"polish": True}, r"polish \(False and True\)"),
         ({"scenarios": ("scenario-1", "scenario-2")}, r"scenarios \(scenario-1 and scenario-1, sc"),
         ({"algorithms": [js.pso(social=1.5)]}, "the coefficients of pso"),
     ],

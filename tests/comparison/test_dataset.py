@@ -21,7 +21,7 @@ from jaxsusp.comparison.dataset import (
     save_results,
 )
 
-SETTINGS = {"seed": 0, "iterations": 3, "scenarios": {"s": "digest"}}
+SETTINGS = {"seed": 0, "iterations": 3, "polish": False, "scenarios": {"s": "digest"}}
 
 
 def made(algorithm="pso", runs=(0, 1), iterations=3, scenario="s", fitness=None, **settings):

@@ -52,6 +52,7 @@ def comparison() -> xr.Dataset:
             "position": ((*by_pair, "sample", "axis"), position),
             "evaluations": (by_pair, np.tile([150, 150, 150, 300], (2, 1))),
             "evaluations_initial": (by_pair, np.zeros((2, 4), int)),
+            "evaluations_polish": (by_pair, np.zeros((2, 4), int)),
             "best_known": ("scenario", [np.nan, np.nan]),
             "curvature_radius": (by_pair, np.tile([1.0, 2.0, 8.0, 4.0], (2, 1))),
             "obstacles": ("scenario", [6, 10]),

@@ -118,7 +118,8 @@ def _draw_history(axes: Axes, cell: xr.Dataset, style: Style) -> None:
         return
     initial = cell["evaluations_initial"].item()
     share = np.arange(1, len(history) + 1) / len(history)
-    spent = initial + (cell["evaluations"].item() - initial) * share
+    end = cell["evaluations"].item() - cell["evaluations_polish"].item()
+    spent = initial + (end - initial) * share
     low, middle, high = np.where(np.isinf(band := quartiles(history)), np.nan, band)
     axes.fill_between(spent, low, high, color=style.color, alpha=0.16, linewidth=0)
     axes.plot(

@@ -49,12 +49,13 @@ def printed(ds: xr.Dataset, gap: bool) -> tuple[str, ...]:
 
 
 def build_tables(ds: xr.Dataset) -> dict[str, pd.DataFrame]:
-    """All tables that this comparison has something to say in; each names the budget."""
+    """All tables that this comparison has something to say in; each names what runs got."""
     built = {name: build(ds) for name, build in TABLES.items()}
     if not tables.has_ratios(built["ratios"]):
         del built["ratios"]
     for frame in built.values():
-        frame.attrs["caption"] = f"{frame.attrs['caption']} {tables.budget(ds)}".strip()
+        said = frame.attrs["caption"], tables.budget(ds), tables.polished(ds)
+        frame.attrs["caption"] = " ".join(filter(None, said))
     return {name: frame for name, frame in built.items() if not frame.empty}
 
 

@@ -43,14 +43,16 @@ def evaluations_to(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray
 
     Returns:
         (scenario, algorithm, run): +inf of a run that never got there; NaN where there is no such
-        run or no target.
+        run or no target. A run that got there when it was polished did with its last evaluation.
     """
     history = ds["history"]
     made = history.notnull().any("run").sum("iteration")
     above_it = (history > target).sum("iteration")  # iterations: the best so far never rises
-    before = ds["evaluations_initial"]
-    per_step = (ds["evaluations"] - before) / made.where(made > 0)
-    spent = (before + (above_it + 1) * per_step).where(above_it < made, np.inf)
+    before, after = ds["evaluations_initial"], ds["evaluations_polish"]
+    per_step = (ds["evaluations"] - before - after) / made.where(made > 0)
+    polished = (after > 0) & (ds["fitness"] <= target)
+    last = ds["evaluations"].where(polished, np.inf)
+    spent = (before + (above_it + 1) * per_step).where(above_it < made, last)
     there = ds["fitness"].notnull() & np.isfinite(target)
     return spent.where(there).transpose("scenario", "algorithm", "run")
 

@@ -164,6 +164,17 @@ def budget(ds: xr.Dataset) -> str:
     return ""
 
 
+def polished(ds: xr.Dataset) -> str:
+    """A sentence where every run was polished at the end, else ""."""
+    if not json.loads(ds.attrs.get("settings", "{}")).get("polish"):
+        return ""
+    each = int(ds["evaluations_polish"].max())
+    return (
+        f"The best of every run was polished at the end, with {each:,} evaluations on top of the "
+        "budget (polish = True)."
+    )
+
+
 def _search(ds: xr.Dataset) -> str:
     """A sentence on what waypoints were kept in."""
     search = json.loads(ds.attrs.get("settings", "{}")).get("search")

@@ -9,6 +9,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 from rich.console import Console
 
 from jaxsusp.report.comparison import folder, gaps, tables, targets
@@ -181,6 +182,29 @@ def test_every_table_names_the_budget(comparison, rule, said):
     built = folder.build_tables(comparison.assign_attrs(settings=json.dumps(settings)))
     assert {"comparison", "gap", "gap-summary", "medians", "ranks"} <= built.keys()
     assert all(said in frame.attrs["caption"] for frame in built.values())
+
+
+def test_a_polished_run_gets_there_with_its_last_evaluation(comparison):
+    """And what came before is counted as if nothing had followed."""
+    before = gaps.evaluations_to(comparison, 800.0)
+    more = {name: comparison[name] + 50 for name in ("evaluations", "evaluations_polish")}
+    polished = comparison.assign(fitness=comparison["fitness"] / 10, **more)
+    found = gaps.evaluations_to(polished, 800.0)
+    late = np.isinf(before) & (polished["fitness"] <= 800)
+    assert late.any()
+    assert (found == polished["evaluations"]).where(late, True).all()
+    xr.testing.assert_identical(found.where(~late), before.where(~late))
+
+
+def test_captions_tell_of_polishing(comparison):
+    settings = {"budget": "iterations", "iterations": 500, "population": 30, "polish": True}
+    more = comparison["evaluations_polish"] + 781
+    ds = comparison.assign(evaluations_polish=more).assign_attrs(settings=json.dumps(settings))
+    said = "polished at the end, with 781 evaluations on top of the budget (polish = True)."
+    assert all(frame.attrs["caption"].endswith(said) for frame in folder.build_tables(ds).values())
+    plain = comparison.assign_attrs(settings=json.dumps({**settings, "polish": False}))
+    frames = folder.build_tables(plain).values()
+    assert not any("polish" in frame.attrs["caption"] for frame in frames)
 
 
 def test_of_many_scenarios_there_is_a_summary_and_one_picture(comparison, monkeypatch, tmp_path):
