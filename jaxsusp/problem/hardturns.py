@@ -24,7 +24,7 @@ SLACK_SHARE = 0.25
 """Where a cable has little tension T, only so much of T/m costs nothing: at 4 N and 10 kg as much
 as `TURN`."""
 
-PRICE = 20.0
+PRICE = 5.0
 """Fitness per sample that turns with twice as much; grows with the square."""
 
 
