@@ -45,7 +45,7 @@ figures: setup
 	$(BIN)/jaxsusp report results/compare.nc --output results
 
 test: setup
-	$(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile
+	$(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 test-fast: setup
 	$(BIN)/python -m pytest -m fast --numprocesses $(CORES) --dist loadfile

@@ -16,8 +16,9 @@ def blocks(language: str) -> list[str]:
 
 @pytest.mark.parametrize("i", range(len(blocks("python"))))
 def test_examples_run(i, capsys):
-    code = blocks("python")[i].replace("runs=20", "runs=2, iterations=6, population=8")
-    code = code.replace('["pso", js', '["ga", js')  # on these two other tests compile it as well
+    # What is compared is compiled in other tests as well, with these sizes on these two.
+    few = "runs=4, iterations=40, population=30"
+    code = blocks("python")[i].replace("runs=20", few).replace('["pso", js', '["ga", js')
     code = code.replace("js.compare(", 'js.compare(["scenario-1", "scenario-3"], ')
     exec(compile(code, f"README block {i}", "exec"), {})
     if "print" in code:

@@ -10,6 +10,8 @@ from cvxpy.reductions.solvers.defines import SOLVER_MAP_CONIC
 import jaxsusp as js
 from jaxsusp.freespace.choices import SOLVERS, solvers
 from jaxsusp.freespace.ellipsoid import require_solver
+from jaxsusp.report import freespace as pictures
+from jaxsusp.report.drawing import style
 
 
 @pytest.fixture
@@ -25,6 +27,14 @@ def walled(tmp_path):
     return path
 
 
+@pytest.fixture
+def quick_pictures(monkeypatch):
+    """Pictures that take no time."""
+    for draw in ("slices", "view"):
+        monkeypatch.setattr(pictures, draw, lambda *_: None)
+    monkeypatch.setattr(style, "save", lambda figure, path: path.write_text("picture"))
+
+
 def test_regions_route_and_files(run, tmp_path):
     status, out, err = run("freespace", "scenario-1", "--coverage", "0.4", "--output", tmp_path)
     assert status == 0
@@ -36,6 +46,7 @@ def test_regions_route_and_files(run, tmp_path):
     assert js.load_free_space(tmp_path / "free-space.nc").connected
 
 
+@pytest.mark.usefixtures("quick_pictures")
 def test_json(run, tmp_path):
     status, out, _ = run(
         "freespace", "scenario-1", "--coverage", "0.4", "--output", tmp_path, "--json"
@@ -50,6 +61,7 @@ def test_json(run, tmp_path):
     assert answer["regions"][0].keys() == {"region", "polytope", "ellipsoid", "faces", "neighbours"}
 
 
+@pytest.mark.usefixtures("quick_pictures")
 def test_no_route_is_status_one(run, walled, tmp_path):
     status, out, _ = run("freespace", walled, "--limit", "8", "--output", tmp_path / "out")
     assert status == 1

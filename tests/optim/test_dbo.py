@@ -3,19 +3,18 @@
 D = 30, N = 30, T = 500, 30 runs, float64.
 """
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from drawn import SIZES, drawn
 
 import jaxsusp as js
 from jaxsusp.optim.algorithms.dbo import DboCoefficients, area, roles
 from jaxsusp.optim.algorithms.sdbo import SdboCoefficients, _sine_cosine
 from jaxsusp.optim.base import Best, Clock
-from jaxsusp.problem.problem import Suspension
 
 FUNCTIONS = {
     "sphere": lambda x: jnp.sum(x**2),
@@ -65,23 +64,38 @@ def test_it_is_strongly_biased_towards_the_origin(shift):
     assert 1 < solve("sphere", shift).mean() < 1e3
 
 
+class Bowl(NamedTuple):
+    """A sphere about a point that is an argument, as `Moved` is."""
+
+    center: Any
+
+    def __call__(self, x):
+        return jnp.sum((x - self.center) ** 2)
+
+
 def test_the_task_frame_does_not_know_where_the_origin_is():
     """Shifting function, bounds and reference together shifts the result, to rounding."""
     key = jax.random.key(0)
     for make in (js.dbo, js.sdbo):
-        steps = []
+        optimizer = make(frame="task")
+
+        @jax.jit
+        def begin(problem, optimizer=optimizer):
+            return optimizer.init(key, problem, 12, 10)
+
+        @jax.jit
+        def step(t, problem, state, optimizer=optimizer):
+            return optimizer.step(jax.random.fold_in(key, t), problem, state)[0]
+
+        ended = []
         for shift in (0.0, 64.0):  # a power of two: coordinates keep most of their bits
-            problem = js.Problem(
-                lambda x, shift=shift: jnp.sum((x - shift - 0.3) ** 2),
-                np.full(3, shift - 1),
-                np.full(3, shift + 1),
-            )
-            optimizer = make(frame="task")
-            state = optimizer.init(key, problem, 12, 10)
+            function = Bowl(np.float64(shift + 0.3))
+            problem = js.Problem(function, np.full(3, shift - 1), np.full(3, shift + 1))
+            state = begin(problem)
             for t in range(5):
-                state, _ = optimizer.step(jax.random.fold_in(key, t), problem, state)
-            steps.append(np.asarray(state.x) - shift)
-        np.testing.assert_allclose(steps[0], steps[1], atol=1e-9)
+                state = step(t, problem, state)
+            ended.append(np.asarray(state.x) - shift)
+        np.testing.assert_allclose(ended[0], ended[1], atol=1e-9)
 
 
 @pytest.mark.fast
@@ -130,26 +144,9 @@ def test_opposition_keeps_the_better_half():
     np.testing.assert_allclose(np.sort(state.x, axis=0), expected)
 
 
-@jax.tree_util.register_dataclass
-@dataclass(frozen=True)
-class Straight:
-    """Stay near the straight line: the suspension's S_c without its fitness, slow to compile."""
-
-    suspension: Suspension
-    line: Any
-
-    def __call__(self, x):
-        return jnp.sum((x - self.line) ** 2)
-
-    def stability(self, x):
-        return self.suspension.stability(x)
-
-
-def test_the_stability_move_scales_waypoints_in_the_window(problems):
+def test_the_stability_move_scales_waypoints_in_the_window(scenarios):
     """Eq. 19 acts on most beetles (the scenarios lie in the window) and its shares are reported."""
-    straight = Straight(problems[0].fitness, problems[0].reference)
-    problem = problems[0].with_fitness(straight)
-    result = js.minimize(problem, js.sdbo(), runs=2, iterations=5, population=10)
+    result = js.minimize(drawn(scenarios[4]), js.sdbo(), **SIZES)
     assert ((result.info.acted > 0.5) & (result.info.acted <= 1)).all()
     assert ((result.info.kept >= 0) & (result.info.kept <= result.info.acted)).all()
 

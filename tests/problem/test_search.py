@@ -1,15 +1,13 @@
 """Search rules against the rule written out in numpy."""
 
-from dataclasses import dataclass
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from drawn import SIZES, drawn
 
 import jaxsusp as js
 from jaxsusp.comparison.workunit import stack_scenarios
-from jaxsusp.problem.problem import Suspension
 from jaxsusp.problem.search import pad_regions, regions_of
 
 
@@ -82,32 +80,13 @@ def test_padding_attracts_nothing(space):
         assert 1e14 < gauge < np.inf
 
 
-@jax.tree_util.register_dataclass
-@dataclass(frozen=True)
-class IntoTheWalls:
-    """A fitness that draws every waypoint into an obstacle, and compiles in no time.
-
-    S_c, by which SDBO moves, is the suspension's own.
-    """
-
-    suspension: Suspension
-    goal: jax.Array
-
-    def __call__(self, x: jax.Array) -> jax.Array:
-        return ((x - self.goal) ** 2).sum()
-
-    def stability(self, x: jax.Array) -> jax.Array:
-        return self.suspension.stability(x)
-
-
 def test_every_run_stays_in_the_free_space(scenarios, space):
     """Whatever the moves: waypoints of the best candidates are clear with all their cables."""
-    problem = js.Problem.from_scenario(scenarios[4], dtype=np.float32, space=space)
     centers = np.float32([obstacle.center for obstacle in scenarios[4].obstacles[:5]])
     assert not space.contains(np.float64(centers)).any()
-    drawn = problem.with_fitness(IntoTheWalls(problem.fitness, centers.ravel()))
+    into_the_walls = drawn(scenarios[4], centers)
     for algorithm in ("pso", "ga", "sdbo-task"):
-        found = js.minimize(drawn, algorithm, runs=2, iterations=5, population=10)
+        found = js.minimize(into_the_walls, algorithm, **SIZES)
         assert space.contains(np.float64(found.x).reshape(-1, 3)).all()
 
 
