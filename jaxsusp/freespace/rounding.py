@@ -10,7 +10,7 @@ short and bends little: a quadratic programme.
 from collections.abc import Iterator
 from functools import cache
 from math import comb
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import clarabel
 import numpy as np
@@ -20,6 +20,8 @@ from jaxsusp._types import Float
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points
 from jaxsusp.freespace.polylines import along
 from jaxsusp.freespace.space import FreeSpace
+
+solver: Any = clarabel  # a compiled module, whose stubs name nothing
 
 DEGREE = 5
 
@@ -82,19 +84,34 @@ def rounded(
                 unit = sparse.csc_array(([1.0], ([0], [i * size + j])), (1, pieces * size))
                 inside.append(sparse.kron(unit, region.A))
                 limit.append(region.b - margin)
-    rows = sparse.vstack([sparse.kron(equal, sparse.eye_array(3)), *inside], format="csc")
-    right = np.concatenate([value.reshape(-1), *limit])
-    cones = [clarabel.ZeroConeT(value.size), clarabel.NonnegativeConeT(len(right) - value.size)]
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    square = sparse.triu(sparse.kron(cost, sparse.eye_array(3)), format="csc")
-    nothing = np.zeros(square.shape[0])
-    solution = clarabel.DefaultSolver(square, nothing, rows, right, cones, settings).solve()
-    if solution.status not in (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved):
+    each = sparse.eye_array(3)  # coordinate
+    found = _least_square(
+        sparse.kron(cost, each), (sparse.kron(equal, each), value.reshape(-1)),
+        (sparse.vstack(inside), np.concatenate(limit)),
+    )  # fmt: skip
+    if found is None:
         return None
-    control = np.array(solution.x).reshape(pieces, size, 3)
-    fine = np.concatenate([_curve(FINE // pieces + 2) @ each for each in control])
+    control = found.reshape(pieces, size, 3)
+    fine = np.concatenate([_curve(FINE // pieces + 2) @ piece for piece in control])
     return along(fine, np.linspace(0, 1, samples))
+
+
+def _least_square(cost: Any, equal: tuple, atmost: tuple) -> np.ndarray | None:
+    """The x of least ½ xᵀ cost x with rows that equal, and rows that are at most, given values."""
+    (equal_rows, equal_values), (rows, values) = equal, atmost
+    cones = [
+        solver.ZeroConeT(len(equal_values)),
+        solver.NonnegativeConeT(len(values)),
+    ]
+    settings = solver.DefaultSettings()
+    settings.verbose = False
+    solution = solver.DefaultSolver(
+        sparse.triu(cost, format="csc"), np.zeros(cost.shape[0]),
+        sparse.vstack([equal_rows, rows], format="csc"), np.append(equal_values, values),
+        cones, settings,
+    ).solve()  # fmt: skip
+    fine = solution.status in (solver.SolverStatus.Solved, solver.SolverStatus.AlmostSolved)
+    return np.array(solution.x) if fine else None
 
 
 class _Stretch(NamedTuple):
@@ -129,7 +146,7 @@ def _stretches(space: FreeSpace, line: Points) -> list[_Stretch]:
     ]
 
 
-def _joints(stay, ends) -> tuple[sparse.csc_array, np.ndarray]:
+def _joints(stay, ends) -> tuple[Any, np.ndarray]:
     """Where the curve begins and ends, and that it joins smoothly: rows of a coordinate, values."""
     size, pieces = DEGREE + 1, len(stay)
     rows, values = [], []
