@@ -16,9 +16,11 @@ def blocks(language: str) -> list[str]:
 
 @pytest.mark.parametrize("i", range(len(blocks("python"))))
 def test_examples_run(i, capsys):
-    # What is compared is compiled in other tests as well, with these sizes on these two.
-    few = "runs=4, iterations=40, population=30"
-    code = blocks("python")[i].replace("runs=20", few).replace('["pso", js', '["ga", js')
+    code = blocks("python")[i]
+    few = "runs=2, iterations=6, population=8"
+    if "js.compare" in code:  # as in other tests, which compile these sizes of ga as well
+        few = "runs=4, iterations=40, population=30"
+    code = code.replace("runs=20", few).replace('["pso", js', '["ga", js')
     code = code.replace("js.compare(", 'js.compare(["scenario-1", "scenario-3"], ')
     exec(compile(code, f"README block {i}", "exec"), {})
     if "print" in code:
