@@ -66,14 +66,14 @@ def searched(asked: argparse.Namespace) -> Iterator[Found]:
 def compared(file: Path) -> Iterator[Found]:
     """The clear runs of a saved comparison, the best of every algorithm and scenario."""
     import jaxsusp as js
+    from jaxsusp.report.comparison.gaps import clear_runs
 
     ds = js.load_results(file)
     settings = json.loads(ds.attrs["settings"])
     for name, text in json.loads(ds.attrs["scenario_files"]).items():
         for algorithm in ds["algorithm"].values.tolist():
             cell = ds.sel(scenario=name, algorithm=algorithm)
-            clear = ((cell["collisions"] + cell["violations"]) == 0) & cell["fitness"].notnull()
-            cell = cell.isel(run=clear.values).sortby("fitness").isel(run=slice(MOST))
+            cell = cell.isel(run=clear_runs(cell).values).sortby("fitness").isel(run=slice(MOST))
             runs, seed = ds.sizes["run"], settings["seed"]
             how = f"{algorithm} in the {settings['search']}, {runs} runs, seed {seed}"
             if cell.sizes["run"]:

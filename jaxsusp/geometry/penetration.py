@@ -1,11 +1,11 @@
 """How deep payload and cables are in obstacles along a polyline: the twin of `collisions`.
 
 The same swept bodies are held against the same obstacles, by depth instead of by contact. Each
-obstacle's gradient is worked out together with its depths, in one loop and in forward mode: a depth
-is elementwise in the six coordinates between which a segment moves. Reverse mode through the loop
-would keep everything of every obstacle for the way back, and takes ten times as long to compile.
+obstacle's gradient is worked out together with its depths, in one loop: reverse mode through the
+loop would keep everything of every obstacle for the way back, and takes longer to compile.
 """
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -76,15 +76,13 @@ def _summed(moving: _Moving, still: _Still) -> Array:
     for kind in KINDS:
 
         def add(total, obstacle, kind=kind):
-            load, cables = _counted(kind, obstacle, moving, still)
-            return total + load + cables.sum(axis=0), None
+            return total + _counted(kind, obstacle, moving, still), None
 
         total = jax.lax.scan(add, total, getattr(still.obstacles, kind))[0]
     return total.sum(axis=0)
 
 
 def _forward(moving: _Moving, still: _Still) -> tuple[Array, _Moving]:
-    directions = _directions(moving)
     total = jnp.zeros(moving.start.x.shape, moving.start.x.dtype)
     carry = total, jax.tree.map(jnp.zeros_like, moving)
     for kind in KINDS:
@@ -92,36 +90,16 @@ def _forward(moving: _Moving, still: _Still) -> tuple[Array, _Moving]:
         def add(carry, obstacle, kind=kind):
             total, gradient = carry
 
-            def counted(moving: _Moving) -> tuple[Array, Array]:
+            def counted(moving: _Moving) -> Array:
                 return _counted(kind, obstacle, moving, still)
 
-            def along(direction: _Moving) -> tuple[Array, Array]:
-                return jax.jvp(counted, (moving,), (direction,))[1]
-
-            load, cables = counted(moving)
-            by_load, by_cables = jax.vmap(along)(directions)
-            by_all = by_load + by_cables.sum(axis=1)
-            slopes = [*by_all[:6]]
-            if moving.ends is not None:  # cable by cable
-                slopes += [*by_cables[6:]]
-            slopes = jax.tree.unflatten(jax.tree.structure(moving), slopes)
-            gradient = jax.tree.map(jnp.add, gradient, slopes)
-            return (total + load + cables.sum(axis=0), gradient), None
+            value, back = jax.vjp(counted, moving)
+            gradient = jax.tree.map(jnp.add, gradient, back(jnp.ones_like(value))[0])
+            return (total + value, gradient), None
 
         carry = jax.lax.scan(add, carry, getattr(still.obstacles, kind))[0]
     total, gradient = carry
     return total.sum(axis=0), gradient
-
-
-def _directions(moving: _Moving) -> _Moving:
-    """One coordinate after the other, along a new first axis."""
-    leaves, structure = jax.tree.flatten(moving)
-    each = jnp.eye(len(leaves), dtype=leaves[0].dtype)
-    rows = [
-        jnp.broadcast_to(each[i].reshape(-1, *(1,) * leaf.ndim), (len(leaves), *leaf.shape))
-        for i, leaf in enumerate(leaves)
-    ]
-    return jax.tree.unflatten(structure, rows)
 
 
 def _backward(gradient: _Moving, cotangent: Array) -> tuple[Any, None]:
@@ -134,18 +112,14 @@ def _backward(gradient: _Moving, cotangent: Array) -> tuple[Any, None]:
 _summed.defvjp(_forward, _backward)
 
 
-def _counted(kind: str, obstacle: Any, moving: _Moving, still: _Still) -> tuple[Array, Array]:
-    """What the load (segments, …) and the cables (K, segments, …) count against one obstacle."""
+def _counted(kind: str, obstacle: Any, moving: _Moving, still: _Still) -> Array:
+    """What load and cables count against one obstacle, (segments, …)."""
     before, after = (each.each(lambda c: c[None]) for each in (moving.start, moving.stop))
     motion, bodies = Motion.between(before, after), still.bodies  # beside the cables' axis
     cables = _all_cables(moving, bodies)
-    load, *held = HELD_AGAINST[kind](obstacle, motion, bodies, cables, DEPTHS)
-    none = jnp.full((0, *load.shape[1:]), -jnp.inf, load.dtype)
-
-    def amount(depth: Array) -> Array:
-        return jnp.where(obstacle.active, charge(depth / still.unit, still.band), 0)
-
-    return amount(load[0]), amount(held[0] if held else none)
+    depths = HELD_AGAINST[kind](obstacle, motion, bodies, cables, DEPTHS)
+    amounts = [charge(depth / still.unit, still.band).sum(axis=0) for depth in depths]
+    return jnp.where(obstacle.active, functools.reduce(jnp.add, amounts), 0)
 
 
 def _all_cables(moving: _Moving, bodies: Bodies) -> tuple[SweptCable, ...]:

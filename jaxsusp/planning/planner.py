@@ -7,7 +7,14 @@ they are taken again: with further runs, then other ends, then more waypoints.
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
-from jaxsusp.errors import require, require_count, require_counts, require_known, require_seed
+from jaxsusp.errors import (
+    InputError,
+    require,
+    require_count,
+    require_counts,
+    require_known,
+    require_seed,
+)
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.registry import algorithm as algorithm_of
@@ -15,7 +22,7 @@ from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 from jaxsusp.planning.feasibility import require_possible
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import good, rank, with_settings
-from jaxsusp.planning.refusal import explained, require_way
+from jaxsusp.planning.refusal import explained, require_way, why_not
 from jaxsusp.planning.steps import Settings
 from jaxsusp.planning.strategies import Attempt, coordinate
 from jaxsusp.problem.choices import SEARCHES
@@ -54,12 +61,13 @@ def plan(
 ) -> Plan:
     """Plan a task, and verify it on the real curve.
 
-    The winners of the search are refined locally, laid on a smooth path, driven from rest to rest
-    and checked against all of Eq. 22 and in continuous time. Where none of them stands, the
-    planner tries again: with further runs, then other ends (where they are placed), then more
-    waypoints, each time with twice as many runs. A plan that breaks a limit is never returned as
-    feasible. A feasible plan that a swinging load does not follow in simulation is only returned
-    where nothing better was found (`settings["tracked"]` tells).
+    What the search finds, with a price on hard turns, is refined locally where the algorithm
+    leaves something to refine, laid on a smooth path, driven from rest to rest and checked against
+    all of Eq. 22 and in continuous time. Where none of it stands, the planner tries again: with
+    further runs, then other ends (where they are placed), then more waypoints, each time with twice
+    as many runs. A plan that breaks a limit is never returned as feasible. A feasible plan that a
+    swinging load does not follow in simulation is only returned where nothing better was found
+    (`settings["tracked"]` tells).
 
     Args:
         scenario: the task, or its name or file.
@@ -86,7 +94,8 @@ def plan(
     Raises:
         ImpossibleTaskError: no tensions within limits can hold the load, or it is proved that no
             way exists; told before any search.
-        InputError: bad settings, or a system that planning does not cover.
+        InputError: bad settings, a system that planning does not cover, or no taut way where
+            nothing else is to be tried.
     """
     scenario = load_scenario(scenario)
     require_rule(scenario)
@@ -95,9 +104,9 @@ def plan(
         iterations, population, seed, samples, search,
     )  # fmt: skip
     _require_sense(scenario, settings)
-    retries = retries if settings.optimizer else 0  # there is no luck in taut ways
     require_count("waypoints", waypoints)
     require_count("retries", retries, least=0)
+    retries = retries if settings.optimizer else 0  # there is no luck in taut ways
     require_possible(scenario, ends)
     require_way(scenario, ends)
     tally, made = _Tally(), 0
@@ -115,7 +124,11 @@ def plan(
                 break
         if tally.done:
             break
-    assert tally.best is not None
+    if tally.best is None:
+        raise InputError(
+            f'{why_not(scenario, ends).text}; algorithm = "{TAUT}" finds no way through regions of '
+            "the free space here; give one that searches"
+        )
     asked = settings._asdict()
     del asked["told"]
     optimizer = asked.pop("optimizer")

@@ -72,14 +72,13 @@ def map_space(searched: Scenario, settings: Settings) -> FreeSpace | None:
 
 
 def taut_ways(
-    searched: Scenario, settings: Settings
+    space: FreeSpace | None, settings: Settings
 ) -> Iterator[Float[np.ndarray, "waypoints xyz"]]:
     """Step 2 without luck: curves along the distinct taut ways, rounded within their regions.
 
     As waypoints, one per sample between start and goal: the path goes through them and nowhere
     else. What the regions do not know of (tensions, arms, ends that move) is left to the checks.
     """
-    space = map_space(searched, settings)
     for curve in () if space is None else rounded_ways(space, settings.samples):
         yield curve[1:-1]
 

@@ -80,12 +80,14 @@ def _given(
     """
     first_of_all = attempt.number == batch == 0
     share = SNUG if first_of_all and not moving(scenario.drive) else 1.0
-    ways = taut_ways(with_margins(scenario, share=share), settings) if first_of_all else ()
+    searched = with_margins(scenario, share=share)
+    space = map_space(searched, settings)
+    ways = taut_ways(space, settings) if first_of_all else ()
     if settings.optimizer is None:
         yield from verify(scenario, settings, ((way, None) for way in ways))
         return
     taut = _first_feasible(checked(scenario, settings, (way, None)) for way in ways)
-    candidates = _load_alone(scenario, settings, attempt.waypoints, first, share=share)
+    candidates = plan_load(searched, space, settings, attempt.waypoints, first)
     for found in verify(scenario, settings, ((x, None) for x in candidates)):
         yield found
         if good(found) and taut and found.settings["fitness"] <= taut.settings["fitness"]:
@@ -171,10 +173,9 @@ def _load_alone(
     first: int,
     known: Float[np.ndarray, "waypoints xyz"] | None = None,
     with_cables: bool = True,
-    share: float = 1.0,
 ) -> Float[np.ndarray, "candidates dim"]:
-    """Steps 1 and 2 for ends that are known, with a share of the margins for the real curve."""
-    searched = with_margins(scenario, share=share)
+    """Steps 1 and 2 for ends that are known, with the margins that the real curve needs."""
+    searched = with_margins(scenario)
     space = map_space(searched, settings)
     return plan_load(searched, space, settings, waypoints, first, known, with_cables)
 

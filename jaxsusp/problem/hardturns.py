@@ -1,4 +1,4 @@
-"""Fitness with a price on hard turns: what the refinement of a plan minimises.
+"""Fitness with a price on hard turns: what the search for a plan minimises.
 
 Eq. 21 sums curvature over the path, so one sharp corner costs little; but taken at speed it makes
 the load swing and the tensions depart from the plan. The price is on the centripetal acceleration

@@ -60,6 +60,18 @@ def test_taut_ways_go_below_given_ends_through_the_free_space(settings):
         js.plan("scenario-1", "taut", **settings)
 
 
+def test_where_no_taut_way_is_known_the_answer_is_a_message(monkeypatch):
+    monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
+    with pytest.raises(js.InputError, match=r'scenario-1: .*"taut" finds no way.*that searches'):
+        js.plan("scenario-1", "taut")
+
+
+def test_the_free_space_is_mapped_once_for_taut_ways_and_search():
+    events: list = []
+    js.plan("scenario-1", "pso", seed=1, progress=events.append, **SMALL)
+    assert [event.phase for event in events].count("mapping the free space") == 1
+
+
 def test_the_same_seed_gives_the_same_plan(plan):
     again = js.plan("scenario-1", "pso", seed=1, **SMALL)
     np.testing.assert_array_equal(again.waypoints, plan.waypoints)
