@@ -15,21 +15,29 @@ import numpy as np
 
 from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.geometry.obstacles import KINDS
-from jaxsusp.mechanics.arm import reach, reachable, shoulder_distance
+from jaxsusp.mechanics.arm import reach, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
 from jaxsusp.scenario.messages import numbered, sentence
-from jaxsusp.scenario.models import Statement
-from jaxsusp.scenario.world import World, attachments_of, build_world
+from jaxsusp.scenario.models import Statement, Workspace
+from jaxsusp.scenario.ownunits import TOUCH, frame_of, in_own_units
+from jaxsusp.scenario.world import World, attachments_of, build_world, warning_shape
 from jaxsusp.vec3 import Vec3
 
 _count = jax.jit(count_collisions)
 
 
-def inadmissible(scenario: Statement) -> list[str]:
-    """What makes a scenario unusable, one line per problem; empty for an admissible one."""
-    checks = (_unreachable, _crowded, _outside, _not_below, _not_between, _in_contact)
-    contradictions = [*_contradictory(scenario)] or [*_never_level(scenario)]
-    return contradictions or [line for check in checks for line in check(scenario)]
+def inadmissible(scenario: Statement) -> tuple[list[str], list[str]]:
+    """What makes a scenario unusable and what its task, one line per problem; empty: nothing."""
+    if contradictions := [*_contradictory(scenario)] or [*_never_level(scenario)]:
+        return contradictions, []
+    checks = (_namesakes, _unreachable, _crowded, _ends_on_ground)
+    return [line for check in checks for line in check(scenario)], misplaced(scenario)
+
+
+def misplaced(scenario: Statement) -> list[str]:
+    """What makes start and goal unusable, one line per problem, which begins with the place."""
+    checks = (_outside, _not_below, _not_between, _on_ground, _in_contact)
+    return [line for check in checks for line in check(scenario)]
 
 
 def _contradictory(scenario: Statement) -> Iterator[str]:
@@ -69,15 +77,28 @@ def _never_level(scenario: Statement) -> Iterator[str]:
         )
 
 
+def _namesakes(scenario: Statement) -> Iterator[str]:
+    """Obstacles of one name: what is told of the one would be taken for the other."""
+    first: dict[str, int] = {}
+    for i, obstacle in enumerate(scenario.obstacles):
+        if obstacle.name and (j := first.setdefault(obstacle.name, i)) != i:
+            remedy = "give each obstacle a name of its own, or none"
+            yield sentence(
+                f"obstacles[{i}].name", obstacle.name, f"is also the name of obstacles[{j}]", remedy
+            )
+
+
 def _unreachable(scenario: Statement) -> Iterator[str]:
     """Ends that their robot's arm cannot hold."""
-    rows = [(robot.base, robot.links, robot.end) for robot in scenario.robots]
+    own, frame = in_own_units(scenario)
+    rows = [(robot.base, robot.links, robot.end) for robot in own.robots]
     with jax.enable_x64(True):
         base, links, end = map(jnp.array, zip(*rows, strict=True))
-        found = reachable(base, links, end), shoulder_distance(base, links, end), *reach(links)
-        held, distance, nearest, farthest = map(np.asarray, found)
+        found = np.array([shoulder_distance(base, links, end), *reach(links)])
+    missed = np.maximum(found[1] - found[0], found[0] - found[2])
+    distance, nearest, farthest = frame.number(found, "m")
     for k, robot in enumerate(scenario.robots):
-        if not held[k]:
+        if not missed[k] <= TOUCH:
             wrong = (
                 f"is out of reach: {distance[k]:.4g} m from the shoulder, and the arm reaches "
                 f"{nearest[k]:.4g} to {farthest[k]:.4g} m"
@@ -88,9 +109,9 @@ def _unreachable(scenario: Statement) -> Iterator[str]:
 
 def _crowded(scenario: Statement) -> Iterator[str]:
     """Ends that are too close to each other."""
-    least = scenario.limits.separation
+    least, length = scenario.limits.separation, frame_of(scenario).length
     for (j, one), (k, other) in combinations(enumerate(scenario.robots), 2):
-        if (distance := dist(one.end, other.end)) < least:
+        if (distance := dist(one.end, other.end)) < least - TOUCH * length:
             wrong = (
                 f"is {distance:.4g} m from robots[{j}].end, less than "
                 f"limits.separation = {least:g} m"
@@ -105,7 +126,10 @@ def _outside(scenario: Statement) -> Iterator[str]:
         for i, low, high in zip(range(3), box.lower, box.upper, strict=True):
             if not low <= point[i] <= high:
                 wrong = f"is outside the workspace, whose {'xyz'[i]} is {low:g} to {high:g} m"
-                yield sentence(f"{place}[{i}]", point[i], wrong, "move it inside")
+                remedy = "move it inside"
+                if box == Workspace():
+                    remedy += ", or give a [workspace] table, which was left out"
+                yield sentence(f"{place}[{i}]", point[i], wrong, remedy)
 
 
 def _not_below(scenario: Statement) -> Iterator[str]:
@@ -147,11 +171,37 @@ def _surrounded(point: np.ndarray, corners: np.ndarray) -> bool:
     return bool(gaps.max() < np.pi)
 
 
+def _on_ground(scenario: Statement) -> Iterator[str]:
+    """A start or goal in the workspace at which the load is in the ground, or too near to it."""
+    bottom = scenario.workspace.lower[2]
+    places = [(place, point) for place, point in _places(scenario) if point[2] >= bottom]
+    return _grounded(scenario, places, warning_shape(scenario).half_height, "load")
+
+
+def _ends_on_ground(scenario: Statement) -> Iterator[str]:
+    """Ends from which a cable would hang in the ground."""
+    ends = ((f"robots[{k}].end", robot.end) for k, robot in enumerate(scenario.robots))
+    return _grounded(scenario, ends, warning_shape(scenario).cable_radius, "cable")
+
+
+def _grounded(scenario: Statement, places, below: float, what: str) -> Iterator[str]:
+    if (ground := scenario.ground_height) is None:
+        return
+    least, touch = ground + below + scenario.limits.clearance, TOUCH * frame_of(scenario).length
+    for place, point in places:
+        if point[2] < least - touch:
+            wrong = f"puts the {what} into the warning area of the ground at z = {ground:g} m"
+            yield sentence(
+                place, point, wrong, f'give a z of {least:g} or more, or ground = "none"'
+            )
+
+
 def _in_contact(scenario: Statement) -> Iterator[str]:
     """A start or goal at which the load or a cable is in an obstacle's warning area."""
-    for i, obstacle in enumerate(scenario.obstacles):
+    own = in_own_units(scenario)[0]
+    for i, obstacle in enumerate(own.obstacles):
         warning_area = f"the warning area of {numbered('obstacles', i, obstacle.name)}"
-        alone = scenario.model_copy(update={"obstacles": (obstacle,)})
+        alone = own.model_copy(update={"obstacles": (obstacle,)})
         load, *cables = _contacts(build_world(alone, counts=[1] * len(KINDS)))
         for at, (place, point) in enumerate(_places(scenario)):
             if load[at]:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from types import NoneType, UnionType
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
 from jaxsusp.errors import ScenarioError
@@ -142,9 +142,19 @@ def _bare(annotation: Any) -> Any:
 
 def _member(union: Any, tag: int | str) -> Any:
     """The model that carries the tag, or None where the tag means no model."""
-    models = [_bare(member) for member in get_args(union)]
-    tagged = {m.model_fields["kind"].default: m for m in models if hasattr(m, "model_fields")}
-    return tagged.get(tag)
+    models = [(member, _bare(member)) for member in get_args(union)]
+    tagged = {_tag(member, model): model for member, model in models if _is_model(model)}
+    return tagged.get(str(tag))
+
+
+def _tag(member: Any, model: Any) -> str:
+    """What tells a member of a union: its `Tag`, or else the default of its kind."""
+    given = [each.tag for each in get_args(member)[1:] if isinstance(each, Tag)]
+    return given[0] if given else model.model_fields["kind"].default
+
+
+def _is_model(annotation: Any) -> bool:
+    return hasattr(annotation, "model_fields")
 
 
 def _inside(document: Any, step: int | str) -> Any:

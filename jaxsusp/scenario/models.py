@@ -98,6 +98,12 @@ class Workspace(_Section):
     upper: Point = Field(default=(3.5, 3.5, 5.5), description="the highest corner [x, y, z] in m")
 
 
+class Ground(_Section):
+    """A horizontal plane that load, cables and arms keep off; columns of robots stand on it."""
+
+    height: Number = Field(description="the z of the ground in m")
+
+
 class Task(_Section):
     """What is to be done."""
 
@@ -195,6 +201,12 @@ Robots = Annotated[tuple[Robot, ...], AfterValidator(_three_or_more)]
 Obstacle = Annotated[Box | Cylinder | Sphere | Mesh, Field(discriminator="kind")]
 
 
+GroundChoice = Annotated[
+    Annotated[Literal["none"], Tag("none")] | Annotated[Ground, Tag("table")],
+    Discriminator(lambda given: "none" if isinstance(given, str) else "table"),
+]
+
+
 class Fitness(_Section):
     """The coefficients of Eq. 21."""
 
@@ -214,6 +226,11 @@ class Statement(_Section):
     payload: Payload = Field(description="a [payload] table with mass, radius and height")
     limits: Limits = Field(default=Limits(), description="a [limits] table")
     workspace: Workspace = Field(default=Workspace(), description="a [workspace] table")
+    ground: GroundChoice | None = Field(
+        default=None,
+        description='a [ground] table with its height, or "none"; without it the ground is at the '
+        "lowest base",
+    )
     task: Task = Field(description="a [task] table with start and goal")
     fitness: Fitness = Field(default=Fitness(), description="a [fitness] table")
     robots: Robots = Field(
@@ -223,3 +240,10 @@ class Statement(_Section):
         default=(),
         description="one [[obstacles]] table per box, cylinder, sphere or mesh, with its kind",
     )
+
+    @property
+    def ground_height(self) -> float | None:
+        """The z of the ground (m); None where there is no ground."""
+        if self.ground is None:
+            return min(robot.base[2] for robot in self.robots)
+        return self.ground.height if isinstance(self.ground, Ground) else None

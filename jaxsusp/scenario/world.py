@@ -20,6 +20,7 @@ from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import Load
 from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
 from jaxsusp.scenario.models import Statement
+from jaxsusp.scenario.ownunits import TOUCH
 from jaxsusp.vec3 import Vec3
 
 
@@ -76,6 +77,7 @@ class World(NamedTuple):
     goal: Vec3
     lower: Vec3  # workspace of the payload's centre
     upper: Vec3
+    floor: Float[Array, ""]  # least z of the payload's centre, by workspace and ground
     bodies: Bodies
     obstacles: Obstacles
     limits: Limits
@@ -134,6 +136,7 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         goal=_vector(scenario.task.goal),
         lower=_vector(scenario.workspace.lower),
         upper=_vector(scenario.workspace.upper),
+        floor=_scalar(lowest(scenario)[2]),
         bodies=bodies,
         obstacles=pack(**_by_kind(scenario), counts=counts or obstacle_counts([scenario])),
         limits=_limits(limits),
@@ -168,6 +171,19 @@ def warning_shape(scenario: Statement) -> Shape:
     farthest = max(math.hypot(*attachment) for attachment in payload.attachments)
     wide, high = warning_half_extents(payload.radius, payload.height, turn)
     return Shape(wide, high, limits.cable_radius + attachment_motion(farthest, turn))
+
+
+def lowest(scenario: Statement) -> tuple[float, float, float]:
+    """Lowest corner of where the payload's centre may be: in its workspace, and off the ground.
+
+    In own units: a start or goal that is lower by no more than `TOUCH` is not below it.
+    """
+    x, y, z = scenario.workspace.lower
+    if (ground := scenario.ground_height) is not None:
+        off_ground = ground + warning_shape(scenario).half_height + scenario.limits.clearance
+        ends = scenario.task.start[2], scenario.task.goal[2]
+        z = max(z, min(off_ground, *(end for end in ends if end >= off_ground - 2 * TOUCH), np.inf))
+    return x, y, z
 
 
 def cast_world(world: World, dtype) -> World:

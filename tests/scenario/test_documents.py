@@ -71,6 +71,11 @@ OBSTACLE = st.one_of(  # under the floor, where nothing hangs
 )
 
 
+def _name(obstacle):
+    """What an obstacle must not share with another one; those without names share nothing."""
+    return obstacle.get("name") or id(obstacle)
+
+
 @st.composite
 def documents(draw):
     """Valid scenarios: robots on a circle, the load among them."""
@@ -84,7 +89,7 @@ def documents(draw):
     optional = {
         "drive": st.sampled_from(["cable", "end", "base", "hybrid"]),
         "name": st.text(min_size=1),
-        "obstacles": st.lists(OBSTACLE, max_size=4),
+        "obstacles": st.lists(OBSTACLE, max_size=4, unique_by=_name),
         "fitness": st.fixed_dictionaries(
             {}, optional={"weights": st.lists(numbers(0, 1e9), min_size=6, max_size=6)}
         ),
@@ -113,6 +118,7 @@ def documents(draw):
             {"start": place, "goal": place}, optional={"duration": numbers(0.1, 1e6)}
         ),
         "robots": st.just(robots),
+        "ground": st.just("none") | st.fixed_dictionaries({"height": numbers(-9, -4)}),
     }
     return draw(st.fixed_dictionaries(required, optional=optional))
 

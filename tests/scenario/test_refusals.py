@@ -281,6 +281,19 @@ def test_an_obstacle_is_named_by_number_and_name(old, new, line):
 
 
 @pytest.mark.fast
+def test_two_obstacles_of_one_name_are_refused():
+    """Without names they are told apart by their numbers."""
+    other = changed("[2, -1, 1.8]", "[-2, -1, 1.8]", TOWER)
+    assert complaint(MINIMAL + TOWER + other) == (
+        'my.toml: obstacles[1].name = "tower" is also the name of obstacles[0]; '
+        "give each obstacle a name of its own, or none"
+    )
+    nameless = changed('name = "tower"', "", TOWER)
+    again = changed('name = "tower"', "", other)
+    assert len(Scenario.from_toml(MINIMAL + nameless + again).obstacles) == 2
+
+
+@pytest.mark.fast
 @pytest.mark.parametrize(
     ("keys", "start", "end"),
     [

@@ -155,3 +155,11 @@ def test_the_digests_of_the_benchmark_never_move():
         "scenario-5": "08cdf869",
         "scenario-6": "fb1d139a",
     }
+
+
+def test_a_scenario_is_one_line_for_people():
+    scenario = load_scenario("scenario-1")
+    said = "<Scenario 'scenario-1': 3 robots, 6 obstacles, drive 'cable'>"
+    assert repr(scenario) == str(scenario) == said
+    one = scenario.model_copy(update={"obstacles": scenario.obstacles[:1]})
+    assert "3 robots, 1 obstacle, drive" in repr(one)
