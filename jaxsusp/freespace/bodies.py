@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
+from jaxsusp.freespace.orientation import NO_TURN, Turn
 from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points
 from jaxsusp.freespace.shadows import shadows
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
@@ -23,7 +24,7 @@ from jaxsusp.geometry.meshes import hull_points
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import warning_shape
+from jaxsusp.scenario.world import lowest, warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
@@ -35,8 +36,12 @@ on the border of a region stays clear when it is rounded."""
 _SIGNS = np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
-def bodies_of(scenario: Scenario) -> list[Body]:
+def bodies_of(scenario: Scenario, turn: Turn = NO_TURN) -> list[Body]:
     """Inflated obstacles for the load, and a shadow of every obstacle per cable.
+
+    Args:
+        scenario: the task.
+        turn: the orientation in which polyhedra around round bodies are the same for all tasks.
 
     Raises:
         InputError: the upper end of a cable lies in an obstacle's warning area.
@@ -44,11 +49,15 @@ def bodies_of(scenario: Scenario) -> list[Body]:
     return [
         body
         for i, obstacle in enumerate(scenario.obstacles)
-        for body in obstacle_bodies(scenario, obstacle, numbered("obstacles", i, obstacle.name))
+        for body in obstacle_bodies(
+            scenario, obstacle, numbered("obstacles", i, obstacle.name), turn
+        )
     ]
 
 
-def obstacle_bodies(scenario: Scenario, obstacle: Any, name: str) -> list[Body]:
+def obstacle_bodies(
+    scenario: Scenario, obstacle: Any, name: str, turn: Turn = NO_TURN
+) -> list[Body]:
     """One obstacle of a scenario inflated for the load and, where ends are fixed, its shadows.
 
     Where the ends move, a load position does not say where the cables are: only the load's own
@@ -59,21 +68,21 @@ def obstacle_bodies(scenario: Scenario, obstacle: Any, name: str) -> list[Body]:
     """
     clear, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
     across, up = shape.radius + clear, shape.half_height + clear
-    around_load = Body.hull(f"{name} (load)", _inflated(obstacle, across, up, ball=False))
+    around_load = Body.hull(f"{name} (load)", _inflated(obstacle, across, up, None))
     if moving(scenario.drive):
         return [around_load]
     thin = shape.cable_radius + clear
-    around_cable = Body.hull(name, _inflated(obstacle, thin, thin, ball=True))
+    around_cable = Body.hull(name, _inflated(obstacle, thin, thin, turn))
     return [around_load, *shadows(scenario, around_cable)]
 
 
 def domain_of(scenario: Scenario) -> HalfSpaces:
-    """The workspace and, for a hook, where every cable pulls (all T_k >= 0).
+    """The workspace above the ground and, for a hook, where every cable pulls (all T_k >= 0).
 
     Without horizontal force a hook is balanced by pulling cables iff the vertical above it meets
     the convex hull of the ends: for ends of one height, iff it is inside their polygon.
     """
-    workspace = HalfSpaces.box(*map(np.array, (scenario.workspace.lower, scenario.workspace.upper)))
+    workspace = HalfSpaces.box(np.array(lowest(scenario)), np.array(scenario.workspace.upper))
     if scenario.payload.attachments != "hook" or moving(scenario.drive):
         return workspace
     taut = _below(np.array([robot.end for robot in scenario.robots]))
@@ -89,14 +98,15 @@ def _below(ends: Points) -> HalfSpaces:
     return HalfSpaces(hull[:, :3], -hull[:, 3])
 
 
-def _inflated(obstacle: Any, across: float, up: float, ball: bool) -> Points:
+def _inflated(obstacle: Any, across: float, up: float, ball: Turn | None) -> Points:
     """Corners of a polyhedron around an obstacle inflated horizontally and vertically.
 
     Args:
         obstacle: of a scenario.
         across: horizontal inflation (m).
         up: vertical inflation (m), upwards and downwards.
-        ball: whether an inflated sphere is a ball (cables) or an upright cylinder (load).
+        ball: the turn of an inflated sphere that is a ball (cables); None: it is an upright
+            cylinder (load).
     """
     center = np.array(obstacle.center)
     grown = np.array([across, across, up])
@@ -110,8 +120,8 @@ def _inflated(obstacle: Any, across: float, up: float, ball: bool) -> Points:
             return center + _turned(local, obstacle.yaw_deg)
         case "cylinder":
             return center + _prism(obstacle.radius + across, obstacle.height / 2 + up)
-        case "sphere" if ball:
-            return center + (obstacle.radius + across) * _round_polyhedron()
+        case "sphere" if ball is not None:
+            return center + (obstacle.radius + across) * _round_polyhedron() @ ball
         case "sphere":
             return center + _prism(obstacle.radius + across, obstacle.radius + up)
     raise ValueError(f"no body for an obstacle of kind {obstacle.kind!r}")

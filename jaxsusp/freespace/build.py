@@ -16,13 +16,23 @@ from platformdirs import user_cache_path
 
 from jaxsusp.errors import InputError, require, require_count, require_seed
 from jaxsusp.freespace.bodies import bodies_of, domain_of
+from jaxsusp.freespace.cells.doorstep import opened
 from jaxsusp.freespace.ellipsoid import SOLVER, require_solver
 from jaxsusp.freespace.graph import RegionGraph
 from jaxsusp.freespace.iris import Bodies, Region, iris, proved_apart
-from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, irredundant
+from jaxsusp.freespace.orientation import (
+    turn_of,
+    turned_body,
+    turned_ellipsoid,
+    turned_halves,
+    turned_points,
+    undone,
+)
+from jaxsusp.freespace.polyhedra import Point, Points, irredundant
 from jaxsusp.freespace.routes import WaySearch
 from jaxsusp.freespace.space import FORMAT, FreeSpace, assemble, load_free_space
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
+from jaxsusp.scenario.world import lowest
 
 SAMPLES = 20_000
 """Positions drawn in the workspace at a time, to estimate coverage and to find seeds."""
@@ -32,6 +42,9 @@ TARGETS = 5
 
 CANDIDATES = 4
 """Seeds that are tried per further region; the one that adds most coverage is kept."""
+
+FINER = {"coverage": 0.99, "limit": 400}
+"""Settings of `free_space` for regions that look into smaller corners."""
 
 WAYS = 8
 """Distinct ways from start to goal that are kept, taut ones and level ones."""
@@ -68,7 +81,8 @@ def free_space(
     and the settings (`JAXSUSP_CACHE` names the folder).
 
     Args:
-        scenario: the task; any number of robots.
+        scenario: the task; any number of robots. Its start and goal may be inadmissible: the space
+            is covered all the same, and there is no route.
         coverage: share of the free space to cover, in (0, 1).
         limit: greatest number of regions.
         seed: of the samples.
@@ -84,7 +98,8 @@ def free_space(
     Raises:
         InputError: bad settings, or an end of a cable inside a warning area.
     """
-    scenario = load_scenario(scenario)
+    asked = load_scenario(scenario, task_checked=False)
+    scenario = asked.own
     require(0 < coverage < 1, f"coverage = {coverage!r}: give a share between 0 and 1")
     require_count("limit", limit, least=2)
     require_seed(seed)
@@ -99,12 +114,12 @@ def free_space(
     file = _cache_file(scenario, settings) if cache else None
     if file:
         with suppress(InputError, OSError):  # missing or damaged: it is built and written
-            return load_free_space(file)
+            return load_free_space(file).stated(asked.units)
     space = _Builder(scenario, settings, progress).build()
     if file:
         with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
             space.save(file)
-    return space
+    return space.stated(asked.units)
 
 
 def _cache_file(scenario: Scenario, settings: dict) -> Path | None:
@@ -112,7 +127,8 @@ def _cache_file(scenario: Scenario, settings: dict) -> Path | None:
     folder = user_cache_path("jaxsusp") if given is None else Path(given) if given else None
     if folder is None:
         return None
-    content = [FORMAT, version("jaxsusp"), scenario.digest, settings]
+    task = scenario.digest, scenario.frame, scenario.troubles
+    content = [FORMAT, version("jaxsusp"), *task, settings]
     digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
     return folder / "free-space" / f"{digest[:32]}.nc"
 
@@ -124,25 +140,29 @@ class _Builder:
         self, scenario: Scenario, settings: dict, progress: Callable[[Growth], None] | None
     ):
         clock = time.perf_counter()
-        self.settings, self.progress = settings, progress
-        self.start, self.goal = (np.array(p) for p in (scenario.task.start, scenario.task.goal))
-        self.corners = np.array([scenario.workspace.lower, scenario.workspace.upper])
-        self.domain: HalfSpaces = domain_of(scenario)
-        everything = bodies_of(scenario)
+        self.settings, self.progress, self.frame = settings, progress, scenario.frame
+        self.troubles = scenario.troubles
+        self.turn = turn = turn_of(scenario)  # all that follows is turned
+        task = scenario.task
+        self.start, self.goal = turned_points(np.array([task.start, task.goal]), turn)
+        corners = np.array([lowest(scenario), scenario.workspace.upper])
+        self.corners = np.sort(turned_points(corners, turn), axis=0)
+        self.domain = turned_halves(domain_of(scenario), turn)
+        everything = [turned_body(b, turn) for b in opened(scenario, bodies_of(scenario, turn))]
         self.bodies = Bodies([b for b in everything if not proved_apart(self.domain, b)])
         self.random = np.random.default_rng(settings["seed"])
         self.graph = RegionGraph()
+        self.reason = ""  # why no route is looked for
         self.seconds = {"bodies": time.perf_counter() - clock}
 
     def build(self) -> FreeSpace:
         """Regions, coverage, route."""
         clock = time.perf_counter()
-        if trouble := self._seed_task():
-            return self._describe(0.0, trouble, clock)
+        self.reason = self._seed_task()
         covered = self._cover()
-        if not self.graph.connect(self.start, self.goal):
-            return self._describe(covered, self._disconnected(covered), clock)
-        return self._describe(covered, "", clock)
+        if not (self.reason or self._connected):
+            self.reason = self._disconnected(covered)
+        return self._describe(covered, self.reason, clock)
 
     def _describe(self, coverage: float, reason: str, clock: float) -> FreeSpace:
         self.seconds["regions"] = time.perf_counter() - clock
@@ -153,7 +173,7 @@ class _Builder:
         if not reason:
             route = self.graph.route(self.start, self.goal)
             if self.settings["routes"]:
-                search = WaySearch(self.graph, faces, names, self.start, self.goal)
+                search = WaySearch(self.graph, faces, names, self.start, self.goal, self.turn)
                 ways = tuple(islice(search.routes(), WAYS))
                 level = tuple(islice(search.level(), WAYS))
                 route = search.joined(ways[0]) or route
@@ -161,41 +181,68 @@ class _Builder:
                 route, self.start, self.goal, self.settings["solver"]
             )
         self.seconds["route"] = time.perf_counter() - clock
+        back = undone(self.turn)
         return assemble(
-            self.graph.regions,
+            [
+                Region(
+                    turned_halves(region.polytope, back), turned_ellipsoid(region.ellipsoid, back)
+                )
+                for region in self.graph.regions
+            ],
             adjacency=self.graph.adjacency,
             route=np.array(route, int),
-            polyline=polyline,
+            polyline=turned_points(polyline, back),
             bound=bound,
             coverage=coverage,
             reason=reason,
-            bodies=faces,
+            bodies=tuple(turned_halves(each, back) for each in faces),
             body_names=names,
-            routes=ways,
-            level=level,
+            routes=tuple(
+                each._replace(polyline=turned_points(each.polyline, back)) for each in ways
+            ),
+            level=tuple(turned_points(each, back) for each in level),
             details={**self.settings, "bodies": len(self.bodies), "seconds": self.seconds},
         )
 
     def _seed_task(self) -> str:
         """Regions at start and goal; what stands in the way, if anything does."""
-        for name, place in (("task.start", self.start), ("task.goal", self.goal)):
-            if self.graph.holding(place):
-                continue
-            try:
-                region = self._grow(place)
-            except InputError as error:
-                blocked = str(error).partition(" is ")[2].rpartition("; choose")[0]
-                return (
-                    f"{name} = {place.tolist()} has no free space around it: it is {blocked}, "
-                    "round obstacles taken up to 2 % larger"
-                )
-            if region is None:
-                return f"{name} = {place.tolist()} has too little free space around it"
-            self._add(region, 0.0)
-        return ""
+        places = (("task.start", self.start), ("task.goal", self.goal))
+        reasons = [self._seed(name, place) for name, place in places]
+        return "; ".join(filter(None, reasons))
+
+    def _seed(self, name: str, place: Point) -> str:
+        """A region at a place of the task; why it is no place for the load, if it is none."""
+        trouble = next((line for line in self.troubles if line.startswith(name)), "")
+        if self.graph.holding(place):
+            return trouble
+        where = self._in_world(place)
+        try:
+            region = self._grow(place)
+        except InputError as error:
+            blocked = str(error).partition(" is ")[2].rpartition("; choose")[0]
+            why = f"{blocked}, round obstacles taken up to 2 % larger"
+            if self.domain.excess(place) > 0:
+                why = "outside the workspace, or where not all cables pull"
+            return f"{name} = {where} has no free space around it: it is {why}"
+        if region is None:
+            return f"{name} = {where} has too little free space around it"
+        self._add(region, 0.0)
+        return trouble
+
+    @property
+    def _connected(self) -> bool:
+        return not self.reason and self.graph.connect(self.start, self.goal)
+
+    def _in_world(self, place: Point) -> list[float]:
+        own = turned_points(place, undone(self.turn))
+        return self.frame.place(own).round(9).tolist()
 
     def _cover(self) -> float:
-        """Grow regions until the task is connected and enough is covered; the share covered."""
+        """Grow regions until the task is connected and enough is covered; the share covered.
+
+        Where start or goal is no place for the load, nothing can connect them: the space is
+        covered for who looks at it.
+        """
         share = 0.0
         for round_ in range(_ROUNDS):
             samples = self._free_samples()
@@ -203,8 +250,8 @@ class _Builder:
                 break
             covered = self._covered(samples)
             share = covered.mean().item()
-            connected = self.graph.connect(self.start, self.goal)
-            enough = share >= self.settings["coverage"] and connected
+            done = bool(self.reason) or self._connected
+            enough = share >= self.settings["coverage"] and done
             if enough or self._full or round_ == _ROUNDS - 1:
                 return share  # of samples that no region was seeded at
             if round_ == 0:
@@ -212,7 +259,7 @@ class _Builder:
                     self._try_at(target, samples, covered)
             # While the task is not connected, every round looks into smaller corners.
             wanted = self.settings["coverage"]
-            wanted = wanted if connected else 1 - (1 - wanted) / 2**round_
+            wanted = wanted if done else 1 - (1 - wanted) / 2**round_
             self._fill(samples, covered, wanted)
         return share
 
@@ -252,9 +299,8 @@ class _Builder:
     def _add(self, region: Region, coverage: float) -> None:
         polytope = irredundant(region.polytope, region.ellipsoid.d)
         self.graph.add(Region(polytope, region.ellipsoid))
-        connected = self.graph.connect(self.start, self.goal)
         if self.progress is not None:
-            self.progress(Growth(len(self.graph.regions), coverage, connected))
+            self.progress(Growth(len(self.graph.regions), coverage, self._connected))
 
     @property
     def _full(self) -> bool:

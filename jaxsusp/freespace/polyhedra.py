@@ -88,6 +88,17 @@ class Body(NamedTuple):
         return cls(name, points[hull.vertices], HalfSpaces(normals, offsets))
 
 
+def cut(body: Body, plane: HalfSpaces) -> Body:
+    """The part of a body on one side of a plane that goes through it."""
+    faces = body.faces & plane
+    middle = nearest_point(HalfSpaces(faces.A, faces.b - _INSIDE), body.corners.mean(axis=0)).point
+    assert middle is not None, f"nothing of {body.name} is left"
+    return Body(body.name, corners_of(faces, middle), faces)
+
+
+_INSIDE = 1e-5  # m from every face
+
+
 def corners_of(halves: HalfSpaces, inside: Point) -> Points:
     """Corners of a bounded polyhedron with an interior point."""
     return HalfspaceIntersection(_qhull(halves), inside).intersections

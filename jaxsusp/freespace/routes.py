@@ -7,19 +7,28 @@ many of them become one; of those that can be drawn into one another before, the
 
 from collections.abc import Iterator, Sequence
 from itertools import islice, pairwise, permutations
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from jaxsusp.errors import InputError, require_count
+from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.freespace.graph import RegionGraph
+from jaxsusp.freespace.orientation import NO_TURN, Turn
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, nearest_point
 from jaxsusp.freespace.polylines import GRAZE, Polyhedra, distinct, length
 from jaxsusp.freespace.space import FreeSpace, Route
 
 TOUCH = 0.03
 """m from a body within which a way is said to bend round it: regions keep off round bodies."""
+
+BESIDE = 0.3
+"""m from a body within which a bend is said to be past it: a way is taut in its regions, and those
+do not always fill the room between bodies."""
+
+OPEN = "a bend in the open"
+"""Said of a bend that is further from all bodies."""
 
 CLIMB = 1.0
 """By how much dearer a metre of a level way is per metre of height above or below the start."""
@@ -34,7 +43,10 @@ _PULLS = 6
 
 
 def routes(
-    space: FreeSpace, start: Point | Sequence, goal: Point | Sequence, count: int = 8
+    space: FreeSpace | Any,
+    start: Point | Sequence | None = None,
+    goal: Point | Sequence | None = None,
+    count: int = 8,
 ) -> list[Route]:
     """Distinct taut polylines from start to goal, shortest first.
 
@@ -43,23 +55,38 @@ def routes(
 
     Args:
         space: convex regions, and the bodies between them.
-        start: where they begin (m).
-        goal: where they end (m).
+        start: where they begin (m); default the start of the space's own task.
+        goal: where they end (m); default its goal.
         count: how many at most; where there are fewer, those that there are.
 
     Raises:
-        InputError: start or goal in no region, or a space that does not know its bodies.
+        InputError: start or goal in no region, or a space that does not know its bodies or in
+            which its task, if that is asked for, is not connected.
     """
+    require(isinstance(space, FreeSpace), "space: give a FreeSpace, see jaxsusp.free_space")
     require_count("count", count)
+    if start is None or goal is None:
+        require(space.connected, "start and goal: give them, the space does not connect its own")
+        start = space.polyline[0] if start is None else start
+        goal = space.polyline[-1] if goal is None else goal
     if len(space.bodies) < space.details.get("bodies", 0):
         raise InputError("space: was written by an earlier version, without bodies; map it again")
-    ends = np.array([start, goal], np.float64)
+    try:
+        given = np.array([start, goal], np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    require(
+        given.shape == (2, 3) and bool(np.isfinite(given).all()),
+        f"start = {start!r}, goal = {goal!r}: give each as three finite numbers [x, y, z] in m",
+    )
+    space, frame = space.own, space.frame
+    ends = frame.inside(given)
     graph = RegionGraph.of(space.regions, space.adjacency)
-    for name, place in zip(("start", "goal"), ends, strict=True):
-        if not graph.holding(place):
+    for name, place, own in zip(("start", "goal"), given, ends, strict=True):
+        if not graph.holding(own):
             raise InputError(f"{name} = {place.tolist()} is in no region of the free space")
     search = WaySearch(graph, space.bodies, space.body_names, *ends)
-    return list(islice(search.routes(), count))
+    return [each.stated(frame) for each in islice(search.routes(), count)]
 
 
 class WaySearch:
@@ -67,8 +94,9 @@ class WaySearch:
 
     def __init__(
         self, graph: RegionGraph, bodies: Sequence[HalfSpaces], names: Sequence[str],
-        start: Point, goal: Point,
+        start: Point, goal: Point, turn: Turn = NO_TURN,
     ):  # fmt: skip
+        self._turn = turn  # of what is looked at against the world, for words
         self.graph, self.start, self.goal = graph, start, goal
         self._adjacency = graph.adjacency
         self.names, self.bodies = names, bodies
@@ -92,7 +120,8 @@ class WaySearch:
             taut = [self._shortest(sequence) for sequence in few]
         taut.sort(key=length)
         for line in distinct(self.solid, taut):
-            bends = filter(None, (self._bend(line, at) for at in range(1, len(line) - 1)))
+            bends = [self._bend(line, at) for at in range(1, len(line) - 1)]
+            bends = [one for one, before in zip(bends, ["", *bends], strict=False) if one != before]
             yield Route(line, tuple(self._sequence(line)), length(line), tuple(bends))
 
     def _sequences(self) -> list[list[int]] | None:
@@ -200,13 +229,15 @@ class WaySearch:
                             yield [*sequence[: at + 1], more, *sequence[at + 1 :]]
 
     def _bend(self, line: Points, at: int) -> str:
-        """What a corner of a polyline goes round, and on which side."""
+        """What a corner of a polyline goes round, and on which side; or past what it goes."""
         excess = [body.excess(line[at]) for body in self.bodies]
-        if not excess or min(excess) > TOUCH:
-            return ""
+        if min(excess, default=np.inf) > BESIDE:
+            return OPEN
+        if min(excess) > TOUCH:
+            return f"past {self.names[int(np.argmin(excess))]}"
         before, after = line[at] - line[at - 1], line[at + 1] - line[at]
         outward = before / np.linalg.norm(before) - after / np.linalg.norm(after)
-        return f"{_side(outward)} {self.names[int(np.argmin(excess))]}"
+        return f"{_side(outward @ self._turn)} {self.names[int(np.argmin(excess))]}"
 
 
 def _middle(graph: RegionGraph, i: int, j: int) -> Point:

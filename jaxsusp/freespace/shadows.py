@@ -27,8 +27,9 @@ def shadows(scenario: Scenario, body: Body) -> Iterator[Body]:
         nearest = nearest_point(body.faces, end, scale).point
         distance = 0.0 if nearest is None else float(np.linalg.norm(nearest - end))
         if distance < 1e-6:
+            place = scenario.frame.place(robot.end).tolist()
             raise InputError(
-                f"robots[{k}].end = {list(robot.end)} is in the warning area of {body.name}; "
+                f"robots[{k}].end = {place} is in the warning area of {body.name}; "
                 "move the end or the obstacle"
             )
         farthest = np.linalg.norm(corners + attachment - end, axis=1).max()

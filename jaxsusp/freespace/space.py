@@ -2,7 +2,7 @@
 
 import json
 import os
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,8 +18,9 @@ from jaxsusp.freespace.graph import center
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces, Points, volume
 from jaxsusp.freespace.polylines import length
+from jaxsusp.scenario.ownunits import UNCHANGED, Frame
 
-FORMAT = 3
+FORMAT = 4
 """Version of the file's layout and of what builds it: a cache keeps nothing of another one."""
 
 _DIMS: dict[str, tuple[str, ...]] = {
@@ -33,13 +34,23 @@ _DIMS: dict[str, tuple[str, ...]] = {
 }
 
 
+_SAME = UNCHANGED
+"""Numbers that stay as they are."""
+
+
 class Route(NamedTuple):
     """A locally shortest way."""
 
     polyline: Points  # from start to goal, m
     regions: tuple[int, ...]  # that hold it, in order
     length: float  # m
-    bends: tuple[str, ...]  # round what it goes, and on which side
+    bends: tuple[str, ...]  # round or past what it goes, and on which side
+
+    def stated(self, frame: Frame) -> "Route":
+        """The same way with numbers as a frame makes them."""
+        return self._replace(
+            polyline=frame.place(self.polyline), length=frame.number(self.length, "m")
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +80,16 @@ class FreeSpace:
     body_names: tuple[str, ...] = ()
     routes: tuple[Route, ...] = ()  # distinct taut ways from start to goal, shortest first
     level: tuple[Points, ...] = ()  # ways near the start's height, not taut
+    frame: Frame = _SAME  # how numbers in the task's own units become these
 
     def __post_init__(self):
         for each in fields(self):
             if isinstance(value := getattr(self, each.name), np.ndarray):
                 value.setflags(write=False)
+
+    def __repr__(self) -> str:
+        task = f"route of {self.length:.4g} m" if self.connected else "start and goal not connected"
+        return f"<FreeSpace: {len(self.d)} regions cover {100 * self.coverage:.1f} %, {task}>"
 
     @property
     def connected(self) -> bool:
@@ -116,6 +132,33 @@ class FreeSpace:
             rest = ~inside
             inside[rest] = region.polytope.excess(points[rest]) <= 0
         return inside
+
+    @property
+    def own(self) -> "FreeSpace":
+        """The same space in the task's own units and frame."""
+        return self if self.frame == UNCHANGED else self.stated(self.frame.inverse, UNCHANGED)
+
+    def stated(self, frame: Frame, now: Frame | None = None) -> "FreeSpace":
+        """The same space with numbers as a frame makes them; they then are in units of `now`."""
+        if frame == UNCHANGED:
+            return self
+
+        def moved(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+            real = np.abs(A).sum(axis=-1) > 0  # others only fill up
+            return np.where(real, frame.length * b + A @ np.array(frame.origin), b)
+
+        return replace(
+            self,
+            b=moved(self.A, self.b),
+            C=frame.number(self.C, "m"),
+            d=frame.place(self.d),
+            polyline=frame.place(self.polyline),
+            bound=frame.number(self.bound, "m"),
+            bodies=tuple(HalfSpaces(each.A, moved(each.A, each.b)) for each in self.bodies),
+            routes=tuple(each.stated(frame) for each in self.routes),
+            level=tuple(map(frame.place, self.level)),
+            frame=frame if now is None else now,
+        )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write one NetCDF-4 file, atomically; `load_free_space` reads it back exactly.
@@ -172,6 +215,7 @@ def _to_dataset(space: FreeSpace) -> xr.Dataset:
         "body_names": json.dumps(space.body_names),
         "routes": json.dumps([[each.polyline.tolist(), *each[1:]] for each in space.routes]),
         "level": json.dumps([line.tolist() for line in space.level]),
+        "frame": json.dumps(space.frame),
     }
     return xr.Dataset(variables, attrs=attributes)
 
@@ -205,7 +249,9 @@ def _ways(ds: xr.Dataset) -> dict[str, Any]:
         for line, regions, length, bends in json.loads(ds.attrs["routes"])
     )
     level = (np.array(line) for line in json.loads(ds.attrs["level"]))
-    return {"routes": tuple(found), "level": tuple(level)}
+    length, mass, origin = json.loads(ds.attrs.get("frame", json.dumps(UNCHANGED)))
+    frame = Frame(length, mass, tuple(origin))
+    return {"routes": tuple(found), "level": tuple(level), "frame": frame}
 
 
 def _symmetric(C: np.ndarray) -> np.ndarray:

@@ -100,7 +100,7 @@ def test_where_an_end_of_the_task_has_least_room_it_is_named():
     assert found.end == "task.start"
     assert found.place == (0.0, 2.0, 1.0)
     assert found.width == pytest.approx(2 * (0.4 - 0.1 - 0.1 - 0.05), abs=EXACT)
-    assert "narrowest at task.start (0.00, 2.00, 1.00): 0.29" in found.words
+    assert "narrowest at task.start (0, 2, 1): 0.29" in found.words
     assert 'by obstacles[0] "stone" (load)' in found.words
 
 

@@ -53,6 +53,16 @@ def test_a_post_is_passed_on_either_side():
 
 
 @pytest.mark.fast
+def test_a_bend_away_from_bodies_is_past_the_nearest_or_in_the_open():
+    """Regions that keep off the post: the way is taut in them, and not round the post itself."""
+    for off, said in ((0.2, "past post 1"), (0.5, routes.OPEN)):
+        post = [box([-1 + off, -1 + off, -9], [1 - off, 1 - off, 9])]
+        space = space_of([each.polytope for each in posts(0.0).regions], post)
+        found = js.routes(space, [-3, 0, 0.5], [3, 0, 0.5])
+        assert [each.bends for each in found] == [(said,)] * 2
+
+
+@pytest.mark.fast
 def test_two_posts_are_passed_in_four_ways():
     """Straight by either side, or across between them."""
     found = js.routes(posts(-2.0, 2.0), [-4, 0, 0.5], [4, 0, 0.5], 9)
@@ -83,6 +93,10 @@ def test_what_is_in_no_region_is_refused():
         js.routes(posts(0.0), [-3, 0, 0.5], [0, 0, 0.5])
     with pytest.raises(InputError, match="count = 0"):
         js.routes(posts(0.0), [-3, 0, 0.5], [3, 0, 0.5], 0)
+    with pytest.raises(InputError, match=r"space: give a FreeSpace, see jaxsusp\.free_space"):
+        js.routes("scenario-1")
+    with pytest.raises(InputError, match="the space does not connect its own"):
+        js.routes(posts(0.0))
 
 
 def simple_sequences(graph: RegionGraph, at: list[int], goals: set[int]):
@@ -126,6 +140,7 @@ def test_a_way_is_in_its_regions_and_clear_of_all_bodies(scenarios):
     for scenario in (scenarios[0], scenarios[4]):
         space = js.free_space(scenario)
         found = js.routes(space, scenario.task.start, scenario.task.goal, 8)
+        assert all(each.bends for each in found)
         assert [each.length for each in found] == sorted(each.length for each in found)
         assert found[0].length <= space.length + 1e-9
         for each in found:
@@ -163,3 +178,18 @@ def test_a_segment_is_cut_where_it_enters_and_leaves():
     assert not cubes.met(np.array([[-1.0, 5, 0]]), np.array([[9.0, 5, 0]])).any()
     assert cubes.cover(np.array([0.1, 0.5, 0.5]), np.array([0.9, 0.5, 0.5])) == [0]
     assert cubes.cover(np.array([0.1, 0.5, 0.5]), np.array([3.9, 0.5, 0.5])) == []
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("place", [(0, 0), (0, 0, 0, 0), "abc", (np.inf, 0, 0), (np.nan, 0, 0)])
+def test_places_that_are_none_are_told(place):
+    corner = np.zeros(3)
+    with pytest.raises(js.InputError, match=r"give each as three finite numbers \[x, y, z\] in m"):
+        js.routes(an_empty_space(), place, corner)
+
+
+def an_empty_space() -> js.FreeSpace:
+    return js.FreeSpace(
+        np.zeros((0, 4, 3)), np.zeros((0, 4)), np.zeros((0, 3, 3)), np.zeros((0, 3)),
+        np.zeros((0, 0), bool), np.zeros(0, int), np.zeros((0, 3)), np.inf, 0.0,
+    )  # fmt: skip

@@ -18,7 +18,7 @@ from jaxsusp.freespace.polyhedra import Point
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import attachments_of, warning_shape
+from jaxsusp.scenario.world import attachments_of, lowest, warning_shape
 
 SAFE = 2e-5
 """m by which a distance must fall short before it counts as short: a certificate rounds by 1e-6 m,
@@ -42,7 +42,8 @@ class Errand(NamedTuple):
     def of(cls, scenario: Scenario, beyond: float = 0.0) -> "Errand":
         """That of a task; the box is larger than the workspace by so much (m) all round."""
         box, task = scenario.workspace, scenario.task
-        lower, upper, start, goal = np.array([box.lower, box.upper, task.start, task.goal], float)
+        corners = lowest(scenario), box.upper, task.start, task.goal
+        lower, upper, start, goal = np.array(corners, float)
         return cls(lower - beyond, upper + beyond, start, goal)
 
 
@@ -58,6 +59,7 @@ class Forbidden:
     owner: Int[np.ndarray, " bodies"]  # the obstacle that each belongs to
     cable: Int[np.ndarray, " bodies"]  # the cable that casts it, -1: the load's own
     columns: Float[np.ndarray, "numbers bodies"]  # see `_column`
+    steps: int = STEPS
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -92,7 +94,7 @@ class Forbidden:
         corners = np.array([*product(*np.transpose([lower, upper]))])
         cables = self.columns[11:17, self.cable >= 0]
         ways = corners[:, :, None] + cables[3:] - cables[:3]
-        return float(np.linalg.norm(ways, axis=1).max(initial=0.0)) * 0.5**STEPS
+        return float(np.linalg.norm(ways, axis=1).max(initial=0.0)) * 0.5**self.steps
 
     def least(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
         """Room (m) of positions in view of everything."""
@@ -114,7 +116,8 @@ class Forbidden:
         return self._some((rooms <= least + reach).any(axis=0))
 
     def _some(self, kept: np.ndarray) -> "Forbidden":
-        return Forbidden(self.names, self.owner[kept], self.cable[kept], self.columns[:, kept])
+        columns = self.columns[:, kept]
+        return Forbidden(self.names, self.owner[kept], self.cable[kept], columns, self.steps)
 
     def _room(self, points: np.ndarray, body: np.ndarray, inner: bool) -> np.ndarray:
         found = np.empty(len(points))
@@ -125,8 +128,8 @@ class Forbidden:
             a = core.turned(points[rows].T + column[14:17] - column[:3])
             if held[rows[:1]].any():
                 way = core.turned(column[11:14] - column[:3]) - a
-                over = np.sqrt((way**2).sum(axis=0)) * 0.5**STEPS
-                distance = core.nearest(a, way)
+                over = np.sqrt((way**2).sum(axis=0)) * 0.5**self.steps
+                distance = core.nearest(a, way, self.steps)
                 found[rows] = distance + (SAFE if inner else -over) - required
             else:
                 found[rows] = (core.smaller(SAFE) if inner else core).distance(a) - required
@@ -156,13 +159,13 @@ class _Core:
         across = np.maximum(np.sqrt(out[0] ** 2 + out[1] ** 2) - self.disk, 0)
         return np.maximum(np.sqrt(across**2 + out[2] ** 2) - self.ball, 0)
 
-    def nearest(self, a: np.ndarray, way: np.ndarray) -> np.ndarray:
-        """Distance of segments a + t way (m), too large by at most their length / 2^`STEPS`.
+    def nearest(self, a: np.ndarray, way: np.ndarray, steps: int) -> np.ndarray:
+        """Distance of segments a + t way (m), too large by at most their length / 2^steps.
 
         The square of the distance is convex in t: halvings find where its derivative is zero.
         """
         t, step = np.full(a.shape[1], 0.5), 0.5
-        for _ in range(STEPS):
+        for _ in range(steps):
             p = a + t * way
             out = p - np.clip(p, -self.half, self.half)
             across = np.sqrt(out[0] ** 2 + out[1] ** 2)
@@ -174,7 +177,7 @@ class _Core:
         return np.minimum(self.distance(a + low * way), self.distance(a + high * way))
 
 
-def forbidden_of(scenario: Scenario, cables: bool = True) -> Forbidden:
+def forbidden_of(scenario: Scenario, cables: bool = True, steps: int = STEPS) -> Forbidden:
     """What a certificate refuses: too small a distance of load or cables from an obstacle.
 
     Meshes are their boxes, as in a certificate. Where ends move, or are not settled, a position
@@ -183,6 +186,7 @@ def forbidden_of(scenario: Scenario, cables: bool = True) -> Forbidden:
     Args:
         scenario: the task; its ends are as given.
         cables: whether the ends stay where they are given.
+        steps: halvings in the search for the place of a cable that is nearest to an obstacle.
     """
     clear, shape = scenario.limits.clearance, warning_shape(scenario)
     names, columns, owner, cable = [], [], [], []
@@ -200,7 +204,7 @@ def forbidden_of(scenario: Scenario, cables: bool = True) -> Forbidden:
         cable += [*range(-1, len(rows))]
     return Forbidden(
         tuple(names), np.array(owner, int), np.array(cable, int),
-        np.array(columns, np.float64).reshape(-1, _NUMBERS).T.copy(),
+        np.array(columns, np.float64).reshape(-1, _NUMBERS).T.copy(), steps,
     )  # fmt: skip
 
 

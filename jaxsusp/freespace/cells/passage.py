@@ -16,6 +16,7 @@ from jaxsusp.freespace.cells.forbidden import Errand, Forbidden, forbidden_of
 from jaxsusp.freespace.cells.ways import cell_of, shortest, widest
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.scenario.ownunits import in_words
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 
 ALONG = 64
@@ -42,10 +43,10 @@ class Passage(NamedTuple):
         which = {True: "the only way", False: "one of several ways", None: "no way"}
         if np.isinf(self.width):
             return "no obstacle narrows the way"
-        where = f"({', '.join(f'{c:.2f}' for c in self.place)})"
+        where = in_words(self.place)
         return (
             f"the widest way is narrowest at {self.end or 'the load position'} {where}: "
-            f"{self.width:.3f} to {self.width + self.error:.3f} m, by "
+            f"{self.width:.3g} to {self.width + self.error:.3g} m, by "
             f"{' and '.join(self.between)}; {which[self.only]} that its regions know"
         )
 
@@ -65,19 +66,20 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
     Raises:
         InputError: as from `free_space`.
     """
-    scenario = load_scenario(scenario)
+    asked = load_scenario(scenario)
+    scenario = asked.own
     forbidden = forbidden_of(scenario)
     space = free_space(scenario) if space is None else space
     only = len(space.routes) == 1 if space.routes else None
     if not len(forbidden):
-        return Passage(np.inf, 0.0, scenario.task.start, "", (), only)
+        return Passage(np.inf, 0.0, asked.task.start, "", (), only)
     errand = Errand.of(scenario)
     place, room, most = narrowest_place(forbidden, errand)
     off = np.linalg.norm(np.array(errand[2:]) - place, axis=1)
     end = ("task.start", "task.goal")[off.argmin()] if off.min() < 1e-6 else ""
-    x, y, z = place.tolist()
-    width = 2 * max(room, 0.0)
-    error = max(2 * most - width, 0.0)
+    x, y, z = asked.units.place(place).tolist()
+    width, error = asked.units.number(np.array([2 * max(room, 0.0), 2 * most]), "m").tolist()
+    error = max(error - width, 0.0)
     return Passage(width, error, (x, y, z), end, beside(forbidden, place), only)
 
 

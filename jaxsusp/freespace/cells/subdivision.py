@@ -13,9 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, UInt64
 
-from jaxsusp.freespace.cells.forbidden import Errand, Forbidden
+from jaxsusp.freespace.cells.forbidden import Errand, Forbidden, forbidden_of
 from jaxsusp.freespace.cells.ways import Cell, cell_of, joined
 from jaxsusp.freespace.polyhedra import Point
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.scenario.ownunits import Frame
+from jaxsusp.scenario.scenario import Scenario
 
 COARSEST, FINEST = 8, 128
 """Cells along the longest side of the workspace, at first and at most."""
@@ -65,10 +68,9 @@ class Cells(NamedTuple):
         """Centres of the cells (m)."""
         return self.lower + (np.moveaxis(np.indices(self.blocked.shape), 0, -1) + 0.5) * self.size
 
-    @property
-    def words(self) -> str:
+    def words(self, frame: Frame) -> str:
         """The size of the cells, in words."""
-        return f"{self.size.max():.2g} m"
+        return f"{frame.number(float(self.size.max()), 'm'):.2g} m"
 
 
 def subdivide(
@@ -102,6 +104,12 @@ def subdivide(
         blocked = blocked.repeat(2, 0).repeat(2, 1).repeat(2, 2)
         parts = (2 * pairs[0][:, None] + _EIGHT).reshape(-1, 3)
         pairs = parts, np.repeat(pairs[1], 8)
+
+
+def proved_blocked(scenario: Scenario) -> bool:
+    """Whether it is proved that no way joins start and goal within the workspace."""
+    forbidden = forbidden_of(scenario, not moving(scenario.drive))
+    return subdivide(forbidden, Errand.of(scenario)).verdict == "blocked"
 
 
 def _look(forbidden, lower, size, blocked, index, body, all_obstacles):
