@@ -113,6 +113,7 @@ def compare(
         for optimizer in optimizers
         for group in groups
     ]
+    _require_begun(units)
     settings = {
         "iterations": iterations,
         "population": population,
@@ -142,11 +143,17 @@ def compare(
             tell(Event(unit.optimizer.name, "timing", 0, 1))
 
         units, allotted = timebudget.allot(units, runs, seed, finished, timed)
+        _require_begun(units)
         store.attributes[dataset.TIME_BUDGET] = json.dumps(allotted)
     ds = dataset.merge([*_compute_missing(units, runs, seed, store, finished, tell), *finished])
     ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
     store.complete(ds)
     return ds
+
+
+def _require_begun(units: Sequence[Unit]) -> None:
+    for unit in units:
+        unit.require_begun()
 
 
 def _compute_missing(

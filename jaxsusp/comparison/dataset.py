@@ -74,6 +74,8 @@ VARIABLES: dict[str, Variable] = {
     "stability_acted": Variable(_RUN, np.float64, "share of beetles that Eq. 19 acted on"),
     "stability_kept": Variable(_RUN, np.float64, "share of beetles that Eq. 19 improved"),
     "obstacles": Variable(("scenario",), np.int64, "number of obstacles"),
+    "unit_length": Variable(("scenario",), np.float64, "unit of length of the fitness", "m"),
+    "unit_mass": Variable(("scenario",), np.float64, "unit of mass of the fitness", "kg"),
     "best_known": Variable(
         ("scenario",), np.float64, "lowest fitness known when this was computed, NaN if none is"
     ),

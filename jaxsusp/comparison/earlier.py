@@ -39,7 +39,14 @@ def _evaluations_polish(ds: xr.Dataset) -> xr.DataArray:
     return xr.zeros_like(ds["evaluations"])
 
 
+def _unit(ds: xr.Dataset) -> xr.DataArray:
+    """That of the world: the fitness was formed in SI units."""
+    return xr.ones_like(ds["obstacles"], np.float64)
+
+
 ADDED = {
+    "unit_length": _unit,
+    "unit_mass": _unit,
     "best_known": _best_known,
     "evaluations_initial": _evaluations_initial,
     "evaluations_polish": _evaluations_polish,

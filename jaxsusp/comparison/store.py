@@ -5,8 +5,10 @@ Every finished unit is one small NetCDF file in `compare.parts`; when all are th
 """
 
 import hashlib
+import json
 import re
 import shutil
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from jaxsusp._files import require_folder
 from jaxsusp.comparison import dataset
 from jaxsusp.comparison.choices import FILE, PARTS
 from jaxsusp.errors import InputError
+from jaxsusp.scenario.scenario import Scenario
 
 
 class Store:
@@ -110,6 +113,16 @@ class Store:
 
     def _difference(self, ds: xr.Dataset) -> str:
         return dataset.different_settings(ds, xr.Dataset(attrs=self.attributes))
+
+
+def stored_scenarios(folder: Path) -> dict[str, Scenario]:
+    """The scenarios of what is kept in a folder, by name; none where nothing can be read."""
+    found: dict[str, Scenario] = {}
+    for path in [*sorted((folder / PARTS).glob("[!.]*.nc")), folder / FILE]:
+        with suppress(InputError):
+            files = json.loads(dataset.load_results(path).attrs.get("scenario_files", "{}"))
+            found = {name: Scenario.from_toml(text) for name, text in files.items()} | found
+    return found
 
 
 def _holds(whole: xr.Dataset, part: xr.Dataset) -> bool:

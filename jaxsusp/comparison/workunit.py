@@ -17,10 +17,11 @@ from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.errors import InputError
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.batch import Outcome, run_batch, time_iteration
-from jaxsusp.optim.loop import Evaluations, count_evaluations
+from jaxsusp.optim.loop import Evaluations, count_evaluations, require_begun
 from jaxsusp.optim.polish import EVALUATIONS, polish_batch
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, obstacle_counts
 from jaxsusp.vec3 import Vec3
@@ -67,7 +68,7 @@ def stack_scenarios(
         groups.setdefault(shape, []).append(scenario)
 
     def stack(members: list[Scenario]) -> Group:
-        counts = obstacle_counts(members)
+        counts = obstacle_counts([member.own for member in members])
         with_stability = any(member.limits.stability > 0 for member in members)
 
         def problem(member: Scenario) -> Problem:
@@ -79,7 +80,7 @@ def stack_scenarios(
                 samples,
                 search,
                 dtype=np.float32,
-                world=build_world(member, counts),
+                world=build_world(member.own, counts),
                 with_stability=with_stability,
             )
 
@@ -98,6 +99,7 @@ class Unit(NamedTuple):
     population: int
     per_run: Evaluations
     polish: bool = False
+    asked: int = 0  # iterations that were asked for; a budget of evaluations can leave fewer
 
     @classmethod
     def plan(
@@ -116,7 +118,7 @@ class Unit(NamedTuple):
         Raises:
             InputError: the budget does not allow one iteration.
         """
-        per_run = count_evaluations(optimizer, group.first, population)
+        per_run, asked = count_evaluations(optimizer, group.first, population), iterations
         if budget == "evaluations":
             allowed = population * (iterations + 1)
             if per_run.total(1) > allowed:
@@ -126,7 +128,24 @@ class Unit(NamedTuple):
                     'iterations or budget = "iterations"'
                 )
             iterations = per_run.affordable(allowed)
-        return cls(group, optimizer, iterations, population, per_run, polish)
+        return cls(group, optimizer, iterations, population, per_run, polish, asked)
+
+    def require_begun(self) -> None:
+        """Refuse a unit that its algorithm would refuse only when its turn has come.
+
+        Raises:
+            InputError: too few iterations, or too small a population.
+        """
+        try:
+            require_begun(self.optimizer, self.group.first, self.population, self.iterations)
+        except InputError as error:
+            if self.iterations >= self.asked:
+                raise
+            more = self.asked - self.iterations
+            raise InputError(
+                f"{error}; of the {self.asked} asked for, the common budget of evaluations "
+                f"leaves {self.optimizer.name} {self.iterations}: ask for {more} more"
+            ) from None
 
     @property
     def evaluations(self) -> int:
@@ -186,20 +205,26 @@ class Unit(NamedTuple):
         suspension = self.group.problems.fitness
         assert isinstance(suspension, Suspension)
         found = evaluate_exactly(suspension, outcome.x)
+        frames = [scenario.units for scenario in self.group.scenarios]
         nothing = np.full(outcome.fitness.shape, np.nan)
         size = outcome.x.shape[-1] // 3, suspension.samples
         known = [best_known(scenario, *size) for scenario in self.group.scenarios]
         per_run = {
             "fitness": found.fitness,
-            "terms": np.stack([getattr(found.terms, name) for name in dataset.TERMS], axis=-1),
+            "terms": np.stack(
+                [in_si(getattr(found.terms, name), name, frames) for name in dataset.TERMS], axis=-1
+            ),
             "collisions": found.terms.collisions,
             "violations": found.terms.violations,
-            "x": outcome.x,
+            "x": _places(outcome.x, frames),
             "history": outcome.history,
             "stability_acted": getattr(outcome.info, "acted", nothing),
             "stability_kept": getattr(outcome.info, "kept", nothing),
-            "position": found.position,
-            "curvature_radius": found.curvature_radius,
+            "position": _places(found.position, frames),
+            "curvature_radius": [
+                frame.number(radius, "m")
+                for frame, radius in zip(frames, found.curvature_radius, strict=True)
+            ],
         }
         per_run |= {
             name: np.full(len(self.group.names), count)
@@ -212,6 +237,8 @@ class Unit(NamedTuple):
         values = {name: np.expand_dims(value, 1) for name, value in per_run.items()}
         values |= {
             "obstacles": np.array([len(each.obstacles) for each in self.group.scenarios]),
+            "unit_length": np.array([frame.length for frame in frames]),
+            "unit_mass": np.array([frame.mass for frame in frames]),
             "best_known": np.array(known, np.float64),
             "iterations": np.array([self.iterations]),
             "seconds_run": np.array([outcome.seconds_run]),
@@ -228,6 +255,19 @@ class Unit(NamedTuple):
             },
             values,
         )
+
+
+def _places(rows: np.ndarray, frames: Sequence[Frame]) -> np.ndarray:
+    """Numbers (x1, y1, z1, x2, …) of several scenarios as places in the world (m)."""
+    each = zip(frames, np.asarray(rows, np.float64), strict=True)
+    found = [frame.place(row.reshape(*row.shape[:-1], -1, 3)) for frame, row in each]
+    return np.stack(found).reshape(rows.shape)
+
+
+def in_si(values: np.ndarray, term: str, frames: Sequence[Frame]) -> np.ndarray:
+    """A term of several scenarios, formed in their own units, in SI units."""
+    factors = np.array([frame.factor(FitnessTerms.unit(term)) for frame in frames])
+    return values * factors.reshape(-1, *(1,) * (values.ndim - 1))
 
 
 class Exact(NamedTuple):

@@ -25,6 +25,7 @@ from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.problem.constraints import count_turned, count_violations
 from jaxsusp.problem.fitness import fitness_terms, tension_length_rate, trajectory
 from jaxsusp.problem.problem import Problem, stack_problems
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import Robots, World, build_world, cast_world, rounded_counts
@@ -33,7 +34,8 @@ from jaxsusp.suspension.levelload import tensions_at, turn_at
 from jaxsusp.vec3 import Vec3
 
 HEIGHTS = (4.2, 8.8)
-"""m; heights in which ends are placed, as far as every robot reaches; the paper gives none."""
+"""Heights, in the task's own units, in which ends are placed, as far as every robot reaches; the
+paper gives none."""
 
 INSIDE_REACH = 1e-3
 """m by which placed ends stay inside the reach, so that rounding cannot put them outside."""
@@ -154,8 +156,9 @@ def end_bounds(scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
     highs = [base[2] + links[0] + links[1] + links[2] for base, links in reaches]
     low, high = max(HEIGHTS[0], *lows), min(HEIGHTS[1], *highs) - 2 * INSIDE_REACH
     if low >= high:
+        bottom, top = (scenario.frame.place([0, 0, height])[2] for height in HEIGHTS)
         raise InputError(
-            f"{scenario.name}: ends are placed between {HEIGHTS[0]:g} and {HEIGHTS[1]:g} m, and no "
+            f"{scenario.name}: ends are placed between {bottom:g} and {top:g} m, and no "
             "height there is in reach of every robot; change robots' links or bases"
         )
     center = np.array([base[:2] for base, _ in reaches])
@@ -181,6 +184,15 @@ class Placement(NamedTuple):
     cable: float  # f3, m
     tension_rate: float  # f4, N m/s²
     faults: int
+
+    def stated(self, units: Frame) -> "Placement":
+        """The same, of a task in own units, with numbers as a scenario's units make them."""
+        return self._replace(
+            ends=units.place(self.ends),
+            lengths=units.number(self.lengths, "m"),
+            cable=units.number(self.cable, "m"),
+            tension_rate=units.number(self.tension_rate, "N m/s²"),
+        )
 
 
 def place_ends(
@@ -216,7 +228,7 @@ def place_ends(
     require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)
     optimizer = algorithm_of(algorithm)
-    problem = end_problem(scenario, position)
+    problem = end_problem(scenario.own, scenario.units.inside(position))
     outcome = run_batch(
         stack_problems([problem]), optimizer, seed, range(runs), iterations, population
     )
@@ -224,7 +236,8 @@ def place_ends(
     if refined:
         found, _ = refine(problem, found, seed, iterations=100, candidates=32)
     values = [evaluate_ends(problem, x) for x in found]
-    return min(values, key=lambda each: (each.faults, each.cable + each.tension_rate))
+    best = min(values, key=lambda each: (each.faults, each.cable + each.tension_rate))
+    return best.stated(scenario.units)
 
 
 def end_problem(scenario: Scenario, position) -> Problem:
@@ -236,7 +249,8 @@ def end_problem(scenario: Scenario, position) -> Problem:
 
 
 def joint_problem(scenario: Scenario, waypoints: int = 5, samples: int = 40) -> Problem:
-    """Waypoints and ends as one problem, D = 3m + 2K + 1, in float32."""
+    """Waypoints and ends as one problem, D = 3m + 2K + 1, in float32 and the task's own units."""
+    scenario = scenario.own
     require_placeable(scenario)
     load = Problem.from_scenario(scenario, waypoints, samples, "box", dtype=np.float32)
     lower, upper = (bound.astype(np.float32) for bound in end_bounds(scenario))

@@ -18,6 +18,7 @@ from jaxsusp.coordination.passes import Attempt, Found, Outlook, Task, move, sta
 from jaxsusp.coordination.smoothing import WIDTHS, running_means
 from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import build_world, cast_world
@@ -45,6 +46,18 @@ class Coordination(NamedTuple):
     angles: Float[np.ndarray, "cables samples 2"]  # heading, elevation from where the fans opened
     slack: float  # m that candidates kept further off than asked for
     smoothing: float  # standard deviation of the last running mean, in samples; 0: none
+
+    def stated(self, units: Frame) -> "Coordination":
+        """The same, of a task in own units, with numbers as a scenario's units make them.
+
+        Costs stay in own units, where one of them means the same at every size.
+        """
+        return self._replace(
+            ends=units.place(self.ends),
+            lengths=units.number(self.lengths, "m"),
+            tensions=units.number(self.tensions, "N"),
+            slack=units.number(self.slack, "m"),
+        )
 
 
 def moving_ends(
@@ -92,7 +105,7 @@ def moving_ends(
         program = functools.partial(move, scenario.drive, keep, task, wide)
         return program(opening * scales, means, np.float64(slack))
 
-    return _smoothest(attempt, WIDTHS[0])
+    return _smoothest(attempt, WIDTHS[0]).stated(scenario.units)
 
 
 def fixed_ends(
@@ -117,7 +130,7 @@ def fixed_ends(
     def attempt(slack: float, opening: float) -> Attempt:
         return stay(task, opening * wide, np.float64(slack))
 
-    return _smoothest(attempt, 0.0)
+    return _smoothest(attempt, 0.0).stated(scenario.units)
 
 
 def _task(scenario: Scenario, position, fan: int, angle_deg: float, margin: float) -> Task:
@@ -138,6 +151,8 @@ def _task(scenario: Scenario, position, fan: int, angle_deg: float, margin: floa
         raise InputError(
             f"position of shape {where.shape}: give the load's way as (samples, 3) finite numbers"
         )
+    where, margin = scenario.units.inside(where), margin / scenario.units.length
+    scenario = scenario.own
     choices = combinations(fan, len(scenario.robots))
     turns = offsets(scenario.drive, fan, 1.0)
     with jax.enable_x64(True):

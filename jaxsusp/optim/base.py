@@ -11,15 +11,16 @@ nothing to tell). All fitness values go through `problem.evaluate`, which ranks 
 every candidate through `problem.repair` first.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import jax
 import jax.numpy as jnp
 from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Int
+from jaxsusp.errors import require_known
 
 
 class Best(NamedTuple):
@@ -82,6 +83,25 @@ class Optimizer:
             function = getattr(self, part)
             if callable(function) and jax.tree_util.all_leaves([function]):
                 object.__setattr__(self, part, Partial(function))
+
+
+_T = TypeVar("_T")
+
+
+def chosen_of(algorithm: str, kind: type[_T], given: Mapping[str, Any]) -> _T:
+    """Coefficients of an algorithm, the default of each that is not given.
+
+    Args:
+        algorithm: its name, for the message.
+        kind: the named tuple of all of them.
+        given: those that a person chose.
+
+    Raises:
+        InputError: one that there is not.
+    """
+    for name in given:
+        require_known(f"coefficient of {algorithm}", name, getattr(kind, "_fields", ()))
+    return kind(**given)
 
 
 def best_of(x: Float[Array, "pop dim"], fitness: Float[Array, "pop"]) -> Best:

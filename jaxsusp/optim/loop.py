@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Int, Key
 from jaxsusp.optim.base import Optimizer
@@ -105,6 +104,12 @@ def evaluation_sizes(optimizer: Optimizer, problem: Problem, population: int) ->
     return Portions(initial, tuple(recorder.sizes))
 
 
+def require_begun(optimizer: Optimizer, problem: Problem, population: int, iterations: int) -> None:
+    """Let an optimiser refuse what is too little for it, by tracing it: nothing is computed."""
+    recorder, key = _Recorder(problem), jax.eval_shape(lambda: jax.random.key(0))
+    jax.eval_shape(lambda key: optimizer.init(key, recorder.problem, population, iterations), key)
+
+
 _LONG = 1_000_000
 """Iterations, of which the portions do not depend, but more than any optimiser asks for."""
 
@@ -114,10 +119,8 @@ class _Recorder:
 
     def __init__(self, problem: Problem):
         self.sizes: list[int] = []
-        self.problem = Problem(
-            Partial(self), problem.lower, problem.upper, problem.reference, starts=problem.starts
-        )
-        self.problem.fitness = self
+        self.problem = problem.with_fitness(self)
+        self.problem.regions = None  # a search rule evaluates nothing
         self.stability = getattr(problem.fitness, "stability", None)
 
     def __call__(self, x: Array) -> Array:

@@ -24,6 +24,13 @@ class Result(NamedTuple):
     evaluations: int  # fitness evaluations per run
     info: Any = ()  # what the optimiser tells of itself, averaged over iterations, each (runs,)
 
+    def __repr__(self) -> str:
+        runs, dim = self.x.shape
+        return (
+            f"<Result: {runs} run{'s' * (runs > 1)}, {dim} variables, {self.evaluations} "
+            f"evaluations each; best fitness {self.fitness.min():.6g}>"
+        )
+
     @property
     def best(self) -> Float[np.ndarray, "dim"]:
         """The decision vector of the best run."""

@@ -47,7 +47,7 @@ def count_violations(
     violated += _count(
         ~within(position.x, world.lower.x - reach, world.upper.x + reach)
         | ~within(position.y, world.lower.y - reach, world.upper.y + reach)
-        | ~within(position.z, world.lower.z - reach, world.upper.z + reach)
+        | ~within(position.z, world.floor - reach, world.upper.z + reach)
     )
     if with_stability:
         extra = SINGLE_PRECISION_STABILITY if single else 0.0

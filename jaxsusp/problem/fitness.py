@@ -22,9 +22,16 @@ from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.vec3 import Vec3, norm
 
+UNITS = {"length": "m", "height": "m", "cable": "m", "tension_rate": "N m/s²", "curvature": "1/m"}
+"""Units of the terms of Eq. 21; the others have none."""
+
 
 class FitnessTerms(NamedTuple):
-    """All terms of Eq. 21, unweighted but for the penalty, and what they sum to."""
+    """All terms of Eq. 21, unweighted but for the penalty, and what they sum to.
+
+    They are formed in a task's own units (see `jaxsusp.scenario.ownunits`), so that weights and κ
+    have no unit and mean the same balance at every size: those named here are m, kg and s there.
+    """
 
     length: Float[Array, "*batch"]  # f1, m
     height: Float[Array, "*batch"]  # f2, m, summed over samples
@@ -35,6 +42,11 @@ class FitnessTerms(NamedTuple):
     collisions: Int[Array, "*batch"]  # n_p
     violations: Int[Array, "*batch"]  # n_g
     total: Float[Array, "*batch"]  # Σ w_i f_i
+
+    @staticmethod
+    def unit(term: str) -> str:
+        """The unit of a term; f2 to f5 are sums over samples."""
+        return UNITS.get(term, "1")
 
 
 def trajectory(world: World, x: Float[Array, "dim *batch"], samples: int) -> Vec3:

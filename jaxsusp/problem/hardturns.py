@@ -6,9 +6,11 @@ that the minimum-jerk law would give at the samples.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.problem.fitness import curvature, trajectory
@@ -36,7 +38,7 @@ class Gentle:
     suspension: Suspension
     turn: float = field(default=TURN, metadata={"static": True})
     slack_share: float = field(default=SLACK_SHARE, metadata={"static": True})
-    price: float = field(default=PRICE, metadata={"static": True})
+    price: Any = PRICE  # a leaf: another price needs no other program
 
     def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
         """Total of many decision vectors."""
@@ -53,7 +55,7 @@ class Gentle:
         tensions = jnp.stack(tensions_at(world, position, ends)[1]).min(axis=0)[1:-1]
         free = jnp.clip(self.slack_share * tensions / world.mass, 0.1 * self.turn, self.turn)
         excess = turning(position, world.duration) / free - 1
-        return self.price * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
+        return jnp.asarray(self.price, x.dtype) * (jnp.maximum(excess, 0) ** 2).sum(axis=0)
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """Total of one decision vector."""
@@ -75,8 +77,8 @@ def turning(position: Vec3, duration: Array) -> Float[Array, "interior *batch"]:
     return curvature(step) * speed**2
 
 
-def gently(problem: Problem) -> Problem:
+def gently(problem: Problem, price: float = PRICE) -> Problem:
     """The same problem with a price on hard turns; other problems as they are."""
     if not isinstance(problem.fitness, Suspension):
         return problem
-    return problem.with_fitness(Gentle(problem.fitness))
+    return problem.with_fitness(Gentle(problem.fitness, price=np.float32(price)))

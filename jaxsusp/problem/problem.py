@@ -11,21 +11,24 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.custom_batching import custom_vmap
 from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float
 from jaxsusp.errors import InputError, require_count, require_known
 from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.cells.subdivision import proved_blocked
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.problem.fitness import FitnessTerms, fitness_terms, waypoint_stability
+from jaxsusp.problem.flatbatch import one_flat_batch
+from jaxsusp.problem.given import bounds_of, held, require_fitness
 from jaxsusp.problem.search import Regions, keep_inside, pad_regions, regions_of
 from jaxsusp.problem.starts import Starts, starts_of
 from jaxsusp.problem.twin import twin_fitness
+from jaxsusp.scenario.ownunits import UNCHANGED, Frame
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
-from jaxsusp.scenario.world import World, build_world, cast_world
+from jaxsusp.scenario.world import World, build_world, cast_world, lowest
 from jaxsusp.vec3 import Vec3
 
 
@@ -77,35 +80,12 @@ def _flat_repair(regions: Regions, x: Array) -> Array:
     return jnp.stack(inside, axis=1).reshape(-1, len(x)).T
 
 
-def _one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Array], Array]:
-    """Let a function of (coefficients, candidates (N, D)) see one flat batch whatever `vmap` adds.
-
-    Runs join the population in the last axis, where XLA vectorises. Scenarios, whose coefficients
-    differ, are taken in turn: one body of code whatever their number keeps a run bit-equal
-    whether its scenario is alone or stacked.
-    """
-
-    @custom_vmap
-    def batched(coefficients, x: Array) -> Array:
-        return function(coefficients, x)
-
-    @batched.def_vmap
-    def _rule(axis_size, in_batched, coefficients, x):
-        if not any(jax.tree.leaves(in_batched[0])):
-            flat = batched(coefficients, x.reshape(-1, x.shape[-1]))
-            return flat.reshape(x.shape[:-1] + flat.shape[1:]), True
-        coefficients, x = jax.tree.map(
-            lambda leaf, batched: leaf if batched else jnp.stack([leaf] * axis_size),
-            (coefficients, x),
-            tuple(in_batched),
-        )
-        return jax.lax.map(lambda each: function(*each), (coefficients, x)), True
-
-    return batched
+_population_fitness = one_flat_batch(_flat_fitness)
+_population_repair = one_flat_batch(_flat_repair)
 
 
-_population_fitness = _one_flat_batch(_flat_fitness)
-_population_repair = _one_flat_batch(_flat_repair)
+_PLACES = UNCHANGED
+"""Waypoints that are places in the world as they are."""
 
 
 class Problem:
@@ -122,9 +102,12 @@ class Problem:
         regions: convex regions in whose union every waypoint (x, y, z) of a candidate is kept;
             default only the bounds.
         starts: candidates worth starting from, for optimisers that can use them.
+        frame: how waypoints become places in the world, see `jaxsusp.scenario.ownunits`; default
+            that they are such places, or none at all.
 
     Raises:
-        InputError: bounds of different shapes, not finite, or lower >= upper anywhere.
+        InputError: bounds of different shapes, not finite, or lower >= upper anywhere; a plain
+            function that JAX cannot follow, or that returns anything but one number.
     """
 
     fitness: Callable[[Array], Array]
@@ -133,13 +116,21 @@ class Problem:
     reference: Array
     regions: Regions | None
     starts: Starts | None
+    frame: Frame
 
-    def __init__(self, fitness: Callable, lower, upper, reference=None, regions=None, starts=None):
-        lower, upper = _bounds(lower, upper)
+    def __init__(
+        self, fitness: Callable, lower, upper, reference=None, regions=None, starts=None,
+        frame: Frame = _PLACES,
+    ):  # fmt: skip
+        lower, upper = bounds_of(lower, upper)
         middle = lower + (upper - lower) / 2
-        self.fitness = fitness if _is_pytree(fitness) else Partial(fitness)
+        taken_apart = _is_pytree(fitness)  # its leaves may be tracers or placeholders
+        if not taken_apart:
+            require_fitness(fitness, lower.size, lower.dtype)
+        self.fitness = fitness if taken_apart else Partial(fitness)
         self.lower, self.upper = lower, upper
         self.reference = middle if reference is None else np.asarray(reference, lower.dtype)
+        self.frame = jax.tree.map(np.float64, frame)
         self.regions, self.starts = jax.tree.map(
             lambda leaf: np.asarray(leaf, lower.dtype), (regions, starts)
         )
@@ -158,6 +149,9 @@ class Problem:
     ) -> "Problem":
         """Planning the load's trajectory of a scenario: x holds the m waypoints, D = 3m.
 
+        All of it is in the task's own units and frame (see `jaxsusp.scenario.ownunits`), the terms
+        of the fitness too; `places` and `decision` convert.
+
         Args:
             scenario: the task.
             waypoints: number m of free waypoints between start and goal.
@@ -165,7 +159,7 @@ class Problem:
             search: what waypoints are kept in: "free-space" (the polytopes of the scenario's free
                 space), "ellipsoid" (their ellipsoids, the paper's rule) or "box" (the workspace).
             dtype: of the bounds and thereby of a search; default JAX's default float.
-            world: the scenario's arrays if they are at hand (for example padded to a common
+            world: the arrays of `scenario.own` if they are at hand (for example padded to a common
                 number of obstacles); default built from the scenario.
             with_stability: whether S_cmin is checked; default: if the scenario sets it above 0.
             space: the scenario's free space if it is at hand; default `jaxsusp.free_space` of it.
@@ -175,7 +169,8 @@ class Problem:
                 planning cannot handle (see `scenario.scope`), or no collision-free route
                 where the search is confined to the free space.
         """
-        scenario = load_scenario(scenario)
+        asked = load_scenario(scenario)
+        scenario = asked.own
         require_count("waypoints", waypoints)
         require_count("samples", samples, least=3)  # fewer define no curvature
         require_known("search", search, SEARCHES)
@@ -187,11 +182,36 @@ class Problem:
         line = np.linspace(scenario.task.start, scenario.task.goal, waypoints + 2)[1:-1]
         return cls(
             Suspension(world, samples, with_stability, scenario.drive),
-            np.tile(np.asarray(scenario.workspace.lower, dtype), waypoints),
+            np.tile(np.asarray(lowest(scenario), dtype), waypoints),
             np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
             line.reshape(-1),
-            *(_confine(scenario, search, space, waypoints) if search != "box" else ()),
+            *(_confine(scenario, search, space, waypoints) if search != "box" else (None, None)),
+            asked.units,
         )
+
+    def places(self, x: Float[Array, "*batch dim"]) -> Float[np.ndarray, "*batch waypoints xyz"]:
+        """The waypoints of decision vectors as places in the world (m, float64)."""
+        waypoints = np.asarray(x, np.float64).reshape(*np.shape(x)[:-1], -1, 3)
+        return self._frame.place(waypoints)
+
+    def decision(
+        self, places: Float[Array, "*batch waypoints xyz"] | Sequence
+    ) -> Float[Array, "*batch dim"]:
+        """The decision vectors of waypoints in the world (m), float64."""
+        waypoints = self._frame.inside(places)
+        return waypoints.reshape(*waypoints.shape[:-2], -1)
+
+    @property
+    def _frame(self) -> Frame:
+        """The frame as plain numbers."""
+        return jax.tree.map(float, self.frame)
+
+    @property
+    def origin(self) -> Float[Array, "dim"]:
+        """The world's origin as a decision vector: what `frame="world"` moves relative to."""
+        along = [-c / self.frame.length for c in self.frame.origin]
+        row = jnp.stack(along).astype(held(self.lower.dtype))
+        return jnp.tile(row, self.dim // 3 + 1)[: self.dim]
 
     @property
     def low(self) -> Float[Array, "1 dim"]:
@@ -219,7 +239,7 @@ class Problem:
     def evaluate(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
         """Fitness of a population; anything that is not finite ranks as +inf."""
         population = getattr(self.fitness, "population", None) or jax.vmap(self.fitness)
-        value = population(x).astype(x.dtype)
+        value = population(x).astype(held(x.dtype))
         return jnp.where(jnp.isfinite(value), value, jnp.inf)
 
     def twin(self, x: Float[Array, "pop dim"], band: Any = 0.0) -> Float[Array, "pop"]:
@@ -236,7 +256,7 @@ class Problem:
         if twin := getattr(self.fitness, "twin", None):
             return twin(x, band)
         population = getattr(self.fitness, "population", None) or jax.vmap(self.fitness)
-        return population(x).astype(x.dtype)
+        return population(x).astype(held(x.dtype))
 
     def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"] | None:
         """S_c of every candidate's waypoints (Eq. 18); None on a generic problem."""
@@ -268,11 +288,11 @@ class Problem:
 
     def sample(self, key, count: int) -> Float[Array, "pop dim"]:
         """Uniform random candidates."""
-        unit = jax.random.uniform(key, (count, self.dim), self.lower.dtype)
+        unit = jax.random.uniform(key, (count, self.dim), held(self.lower.dtype))
         return self.repair(self.low + (self.high - self.low) * unit)
 
 
-_LEAVES = ("fitness", "lower", "upper", "reference", "regions", "starts")
+_LEAVES = ("fitness", "lower", "upper", "reference", "regions", "starts", "frame")
 
 
 def _flatten(problem: Problem):
@@ -309,31 +329,13 @@ def _confine(
     Raises:
         InputError: start and goal are not connected.
     """
-    space = free_space(scenario) if space is None else space
+    space = free_space(scenario) if space is None else space.own
     if not space.connected:
-        raise InputError(
-            f'{scenario.name}: search = "{search}": {space.reason}; move start, goal or '
-            'obstacles, or search = "box"'
-        )
+        remedy = 'move start, goal or obstacles, or search = "box"'
+        if proved_blocked(scenario):
+            remedy = "it is proved that there is none, see jaxsusp.why_not; move obstacles or task"
+        raise InputError(f'{scenario.name}: search = "{search}": {space.reason}; {remedy}')
     return regions_of(space, search), starts_of(space, waypoints)
-
-
-def _bounds(lower, upper) -> tuple[np.ndarray, np.ndarray]:
-    """Validated host copies of the bounds, in their common floating dtype."""
-    given = [bound if hasattr(bound, "dtype") else jnp.asarray(bound) for bound in (lower, upper)]
-    lower, upper = (np.asarray(bound) for bound in given)
-    dtype = np.result_type(lower, upper)
-    if not np.issubdtype(dtype, np.floating):
-        dtype = jnp.zeros(()).dtype
-    lower, upper = lower.astype(dtype), upper.astype(dtype)
-    if lower.ndim != 1 or lower.shape != upper.shape or lower.size == 0:
-        raise InputError(
-            f"lower and upper must be vectors of one length, got shapes {lower.shape} and "
-            f"{upper.shape}"
-        )
-    if not (np.isfinite(lower).all() and np.isfinite(upper).all() and (lower < upper).all()):
-        raise InputError("bounds must be finite with lower < upper in every variable")
-    return lower, upper
 
 
 def _is_pytree(value: Any) -> bool:

@@ -99,7 +99,9 @@ def _limits(world: World, path: SampledPath, unit: Unit, with_stability: bool) -
         short, long = limits.length_low + margin, limits.length_high - margin
         found.append(jnp.maximum(short - length, length - long) / unit.length)
     reach = WORKSPACE_TOLERANCE - margin
-    for at, lower, upper in zip(position, world.lower, world.upper, strict=True):
+    for at, lower, upper in zip(
+        position, world.lower._replace(z=world.floor), world.upper, strict=True
+    ):
         found.append((jnp.maximum(lower - at, at - upper) - reach) / unit.length)
     if with_stability:
         extra = SINGLE_PRECISION_STABILITY if single else 0.0

@@ -37,6 +37,23 @@ def test_a_budget_that_does_not_last_one_iteration_is_refused(fake):
         js.compare("scenario-1", "sdbo", 2, 1, 8, budget="evaluations")
 
 
+@pytest.mark.parametrize("budget", ["iterations", "time"])
+def test_too_few_iterations_for_any_algorithm_are_refused_before_the_first_runs(paces, budget):
+    with pytest.raises(js.InputError, match="iterations = 6: too few for 9 islands of routed"):
+        js.compare("scenario-1", ("pso", "routed"), **SMALL, budget=budget)
+    assert paces[1] == []
+
+
+def test_a_time_that_was_measured_before_can_be_too_little(paces, fake, tmp_path):
+    settings = {**SMALL, "iterations": 27, "budget": "time", "output": tmp_path}
+    js.compare("scenario-1", "pso", **settings)
+    fake.clear()
+    paces[0]["routed"] = 1.0
+    with pytest.raises(js.InputError, match="iterations = 2: too few for 9 islands of routed"):
+        js.compare("scenario-1", ("ga", "routed"), **settings, resume=True)
+    assert fake == []
+
+
 def test_an_algorithm_may_iterate_more_often_than_asked_for_its_budget(fake):
     ds = js.compare("scenario-1", [thrifty(), js.pso()], **SMALL, budget="evaluations")
     assert ds["iterations"].values.tolist() == [24, 6]

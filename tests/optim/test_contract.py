@@ -21,6 +21,13 @@ PER_STEP = {"pso": 1, "ga": 1, "dbo": 1, "sdbo": 2, "dbo-task": 1, "sdbo-task": 
             "cmaes": 1, "jde": 1, "routed": 1}  # fmt: skip
 
 
+@pytest.mark.fast
+@pytest.mark.parametrize("name", [name for name in PER_STEP if "-" not in name])
+def test_a_coefficient_that_there_is_not_is_told_with_those_there_are(name):
+    with pytest.raises(js.InputError, match=f"coefficient of {name} = 'foo' is not known; choose"):
+        getattr(js, name)(foo=3.0)
+
+
 class RandomState(NamedTuple):
     best: Best
 
@@ -73,6 +80,8 @@ def test_every_algorithm_is_known_everywhere_by_one_name():
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_minimises_in_the_dtype_of_the_bounds(name, dtype):
     result = js.minimize(problem(sphere, dtype), of(name), runs=3, **SIZES)
+    assert repr(result).startswith("<Result: 3 runs, ")
+    assert repr(result).endswith(f" each; best fitness {result.fitness.min():.6g}>")
     assert result.x.shape == (3, 4)
     assert result.x.dtype == result.fitness.dtype == result.history.dtype == dtype
     assert result.history.shape == (3, 60)

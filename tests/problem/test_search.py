@@ -9,6 +9,7 @@ from drawn import SIZES, drawn
 import jaxsusp as js
 from jaxsusp.comparison.workunit import stack_scenarios
 from jaxsusp.problem.search import pad_regions, regions_of
+from jaxsusp.scenario.models import Box
 
 
 @pytest.fixture(scope="module")
@@ -101,3 +102,21 @@ def test_box_is_the_workspace(scenarios):
 def test_an_unknown_rule_is_refused(scenarios):
     with pytest.raises(js.InputError, match=r"search = 'elipsoid' .*did you mean \"ellipsoid\""):
         js.Problem.from_scenario(scenarios[0], search="elipsoid")
+
+
+@pytest.mark.parametrize("height", [2.6, 1.5])
+def test_the_whole_box_is_advised_only_where_nothing_is_proved(scenarios, height):
+    """A wall up to the ceiling, and one that the load can be lifted over."""
+    task = scenarios[0].task.model_copy(update={"goal": (0.0, -2.5, 1.0)})
+    room = scenarios[0].workspace.model_copy(update={"upper": (3.5, 3.5, 2.7)})
+    wall = Box(name="wall", center=(0.0, 0.0, height / 2), size=(8.0, 0.2, height))
+    walled = scenarios[0].model_copy(
+        update={"obstacles": (wall,), "task": task, "workspace": room, "name": "walled"}
+    )
+    space = js.free_space(walled, coverage=0.05, limit=2, routes=False)
+    assert not space.connected
+    with pytest.raises(js.InputError, match='walled: search = "free-space": no coll') as refused:
+        js.Problem.from_scenario(walled, space=space)
+    proved = "it is proved that there is none, see jaxsusp.why_not" in str(refused.value)
+    assert proved == (height > 2)
+    assert proved != ('search = "box"' in str(refused.value))

@@ -22,7 +22,7 @@ from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Key
 from jaxsusp.errors import require_count
-from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better, chosen_of
 from jaxsusp.problem.problem import Problem
 
 SEPARABLE = 100
@@ -83,7 +83,7 @@ def cmaes(separable: bool | None = None, **coefficients: float) -> Optimizer:
         The optimiser named "cmaes" ("cmaes-separable" or "cmaes-full" where that was asked for).
     """
     name, init = _FORMS[separable]
-    chosen = CmaCoefficients(**coefficients)
+    chosen = chosen_of("cmaes", CmaCoefficients, coefficients)
     return Optimizer(name, Partial(init, chosen), Partial(_step, chosen))
 
 

@@ -4,8 +4,9 @@ p is each beetle's personal best, p' the personal bests one iteration earlier, x
 candidates, X* the best of the current x, X^b the best so far.
 
 The moves scale positions and are therefore tied to an origin. `frame="world"` uses the world's, as
-the paper does; `frame="task"` uses the problem's reference point (the evenly spaced waypoints of
-the straight start-goal line), so that the result does not depend on where the world's origin is.
+the paper does, wherever the scenario lies: what they find depends on it. `frame="task"` uses the
+problem's reference point (the evenly spaced waypoints of the straight start-goal line), so that the
+result does not depend on where the world's origin is.
 """
 
 from typing import NamedTuple
@@ -16,7 +17,7 @@ from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Key
 from jaxsusp.errors import require_count, require_known
-from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better, chosen_of
 from jaxsusp.problem.problem import Problem
 
 FRAMES = ("world", "task")
@@ -73,6 +74,11 @@ def framed_name(name: str, frame: str) -> str:
     return name if frame == "world" else f"{name}-{frame}"
 
 
+def origin_of(c: DboCoefficients, problem: Problem) -> Float[Array, "1 dim"]:
+    """What positions are scaled about, as a row beside a population."""
+    return (problem.origin + c.task_frame * (problem.reference - problem.origin))[None]
+
+
 def dbo(frame: str = "world", **coefficients: float) -> Optimizer:
     """Dung beetle optimisation.
 
@@ -83,7 +89,9 @@ def dbo(frame: str = "world", **coefficients: float) -> Optimizer:
     Returns:
         The optimiser named "dbo" ("dbo-task" in the task frame).
     """
-    chosen = DboCoefficients(task_frame=frame_coefficient(frame), **coefficients)
+    chosen = chosen_of(
+        "dbo", DboCoefficients, {"task_frame": frame_coefficient(frame), **coefficients}
+    )
     return Optimizer(framed_name("dbo", frame), Partial(_init, chosen), Partial(_step, chosen))
 
 
@@ -143,7 +151,7 @@ def forage(
     c, (count, _) = coefficients, state.x.shape
     role = roles(count)
     key_roll, key_brood, key_forage, key_steal, key_last = jax.random.split(key, 5)
-    origin = (c.task_frame * problem.reference)[None]
+    origin = origin_of(c, problem)
     edges = (role.rollers, role.rollers + role.brood, count - role.thieves)
     p_roll, p_brood, p_forage, p_steal = jnp.split(state.personal, edges)
 

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Int, Key
-from jaxsusp.optim.base import Best, NoInfo, Optimizer, best_of
+from jaxsusp.optim.base import Best, NoInfo, Optimizer, best_of, chosen_of
 from jaxsusp.problem.problem import Problem
 
 
@@ -42,7 +42,7 @@ def ga(**coefficients: float) -> Optimizer:
     Returns:
         The optimiser named "ga".
     """
-    chosen = GaCoefficients(**coefficients)
+    chosen = chosen_of("ga", GaCoefficients, coefficients)
     return Optimizer("ga", Partial(_init, chosen), Partial(_step, chosen))
 
 

@@ -13,7 +13,7 @@ from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float
 from jaxsusp.errors import require_count
-from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better, chosen_of
 from jaxsusp.problem.problem import Problem
 
 LEAST = 4
@@ -51,7 +51,7 @@ def jde(**coefficients: float) -> Optimizer:
     Returns:
         The optimiser named "jde".
     """
-    chosen = JdeCoefficients(**coefficients)
+    chosen = chosen_of("jde", JdeCoefficients, coefficients)
     return Optimizer("jde", Partial(_init, chosen), Partial(_step, chosen))
 
 

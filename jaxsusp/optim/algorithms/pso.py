@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float
-from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better, chosen_of
 from jaxsusp.problem.problem import Problem
 
 
@@ -41,7 +41,7 @@ def pso(**coefficients: float) -> Optimizer:
     Returns:
         The optimiser named "pso".
     """
-    chosen = PsoCoefficients(**coefficients)
+    chosen = chosen_of("pso", PsoCoefficients, coefficients)
     return Optimizer("pso", Partial(_init, chosen), Partial(_step, chosen))
 
 

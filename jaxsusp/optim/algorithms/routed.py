@@ -31,7 +31,7 @@ from jaxsusp.optim.algorithms.cmaes import (
     learn,
     to_unit,
 )
-from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better
+from jaxsusp.optim.base import Best, Clock, NoInfo, Optimizer, best_of, better, chosen_of
 from jaxsusp.problem.problem import Problem
 
 ISLANDS = 8
@@ -75,7 +75,7 @@ def routed(**coefficients: float) -> Optimizer:
     Returns:
         The optimiser named "routed".
     """
-    chosen = RoutedCoefficients(**coefficients)
+    chosen = chosen_of("routed", RoutedCoefficients, coefficients)
     return Optimizer("routed", Partial(_init, chosen), Partial(_step, chosen), thorough=True)
 
 

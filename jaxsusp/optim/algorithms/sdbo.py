@@ -20,12 +20,13 @@ from jaxsusp.optim.algorithms.dbo import (
     forage,
     frame_coefficient,
     framed_name,
+    origin_of,
     remember,
     roles,
     settle,
     start,
 )
-from jaxsusp.optim.base import NoInfo, Optimizer
+from jaxsusp.optim.base import NoInfo, Optimizer, chosen_of
 from jaxsusp.problem.problem import Problem
 
 
@@ -59,7 +60,7 @@ def sdbo(frame: str = "world", **coefficients: float) -> Optimizer:
         stability move acted; on a generic problem, which has no S_c, the move is left out.
     """
     moves = DboCoefficients(task_frame=frame_coefficient(frame))
-    chosen = SdboCoefficients(**{"dbo": moves, **coefficients})
+    chosen = chosen_of("sdbo", SdboCoefficients, {"dbo": moves, **coefficients})
     return Optimizer(framed_name("sdbo", frame), Partial(_init, chosen), Partial(_step, chosen))
 
 
@@ -83,10 +84,6 @@ def _step(coefficients, key, problem: Problem, state: DboState):
     return _stabilise(coefficients, problem, state)  # phase C
 
 
-def _origin(c: SdboCoefficients, problem: Problem) -> Array:
-    return (c.dbo.task_frame * problem.reference)[None]
-
-
 def _sine_cosine(
     c: SdboCoefficients, problem: Problem, state: DboState, key, thieves: Array
 ) -> Array:
@@ -94,7 +91,7 @@ def _sine_cosine(
     count = min(len(thieves), round(len(state.x) * 5 / 30))
     if count == 0:
         return thieves
-    dtype, origin = state.x.dtype, _origin(c, problem)
+    dtype, origin = state.x.dtype, origin_of(c.dbo, problem)
     p, best = state.personal[-count:] - origin, state.best.x[None] - origin
     progress = state.clock.fraction(dtype)
     inertia = c.inertia_start + (c.inertia_end - c.inertia_start) * progress  # Eq. 16
@@ -119,7 +116,7 @@ def _stabilise(c: SdboCoefficients, problem: Problem, state: DboState):
         return state, NoInfo()
     acts = jnp.logical_and(factor >= WINDOW[0], factor <= WINDOW[1])
     scale = jnp.repeat(jnp.where(acts, factor, 1), 3, axis=1)
-    origin = _origin(c, problem)
+    origin = origin_of(c.dbo, problem)
     acted = acts.any(axis=1)
     proposal = jnp.where(acted[:, None], origin + scale * (state.personal - origin), state.personal)
     state, kept = _try(problem, state, proposal)
