@@ -8,8 +8,9 @@ import numpy as np
 from jaxsusp._types import Float
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.planning.feasibility import static_tensions
+from jaxsusp.scenario.ownunits import TOUCH
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import World, build_world, rounded_counts
+from jaxsusp.scenario.world import World, build_world, lowest, rounded_counts
 from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.vec3 import Vec3
 
@@ -48,12 +49,25 @@ def with_margins(scenario: Scenario, moving_ends: bool = False, share: float = 1
     below, above = (min(max(room, 0.0), (high - low) / 10) for room in (below, above))
     tension = (low + below, high - above)
     margin = share * MARGIN
+    scenario = _off_ground(scenario, margin)
     while margin > 1e-3:
         wider = _with_limits(scenario, clearance=limits.clearance + margin, tension=tension)
         if moving_ends or not _in_contact(wider):
             return wider
         margin /= 2
     return _with_limits(scenario, tension=tension)
+
+
+def _off_ground(scenario: Scenario, margin: float) -> Scenario:
+    """The ground as the bottom of the workspace, with a margin where it is above that.
+
+    Start and goal may be as low as the ground allows.
+    """
+    (x, y, bottom), (_, _, floor) = scenario.workspace.lower, lowest(scenario)
+    if floor > bottom + TOUCH:
+        floor = min(floor + margin, scenario.task.start[2], scenario.task.goal[2])
+    workspace = scenario.workspace.model_copy(update={"lower": (x, y, max(floor, bottom))})
+    return scenario.model_copy(update={"workspace": workspace, "ground": "none"})
 
 
 def _with_limits(scenario: Scenario, **changed: Any) -> Scenario:

@@ -8,7 +8,7 @@ import csv
 import io
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,12 +18,20 @@ from jaxsusp._files import write_text
 from jaxsusp._types import Array, Float
 from jaxsusp.planning import document
 from jaxsusp.planning.document import plain
+from jaxsusp.scenario.ownunits import PLACE
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.suspension.cableloads import Loads
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
 from jaxsusp.verify.certificate import Certificate
 from jaxsusp.verify.constraints import Check
+
+UNITS = {
+    "waypoints": PLACE, "path": PLACE, "end_path": PLACE, "times": "s", "position": PLACE,
+    "velocity": "m/s", "acceleration": "m/s²", "jerk": "m/s³", "lengths": "m", "tensions": "N",
+    "angles": "rad", "ends": PLACE, "joints": "rad",
+}  # fmt: skip
+"""Units of the arrays of a plan."""
 
 ARRAYS = {
     "waypoints": ("waypoints_m", ("waypoints", 3)),
@@ -70,6 +78,24 @@ class Plan:
     report: tuple[Check, ...]
     certificate: Certificate
     settings: Mapping[str, Any] = field(default_factory=dict)  # how it was found; plain values
+
+    def stated(self, scenario: Scenario) -> "Plan":
+        """The plan of a task in own units as one of the scenario that states it."""
+        if self.scenario is scenario:
+            return self
+        units = scenario.units
+        arrays = {
+            name: units.place(values) if unit == PLACE else units.number(values, unit)
+            for name, unit in UNITS.items()
+            for values in [getattr(self, name)]
+        }
+        return replace(
+            self,
+            scenario=scenario,
+            report=tuple(each.stated(units) for each in self.report),
+            certificate=self.certificate.stated(units),
+            **arrays,
+        )
 
     @cached_property
     def law(self) -> TimeLaw:

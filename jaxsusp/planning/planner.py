@@ -17,19 +17,24 @@ from jaxsusp.errors import (
 )
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.choices import ALGORITHMS
 from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 from jaxsusp.planning.feasibility import require_possible
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import good, rank, with_settings
-from jaxsusp.planning.refusal import explained, require_way, why_not
+from jaxsusp.planning.ranking import rank, with_settings
+from jaxsusp.planning.refusal import explained, require_way, unhurried, why_not
 from jaxsusp.planning.steps import Settings
 from jaxsusp.planning.strategies import Attempt, coordinate
 from jaxsusp.problem.choices import SEARCHES
+from jaxsusp.problem.hardturns import PRICE
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 
 MORE_WAYPOINTS = 2
+
+DEARER = 4.0
+"""By how much the price on hard turns grows with every attempt: calmer ways are followed better."""
 
 MOST_LED = 4
 """Robots whose ends least variance leads: joint candidates grow with their number as a power."""
@@ -38,7 +43,7 @@ MOST_LED = 4
 class Event(NamedTuple):
     """What a progress callback is told."""
 
-    phase: str  # "mapping the free space", "searching", "placing ends", "checking"
+    phase: str  # "mapping the free space", "searching", "placing ends", "checking", …
     attempt: int  # from 0
     attempts: int  # at most
 
@@ -57,6 +62,7 @@ def plan(
     samples: int = 40,
     search: str = SEARCHES[0],
     coordination: str = "alternation",
+    simulate: bool = True,
     progress: Callable[[Event], None] | None = None,
 ) -> Plan:
     """Plan a task, and verify it on the real curve.
@@ -65,9 +71,8 @@ def plan(
     leaves something to refine, laid on a smooth path, driven from rest to rest and checked against
     all of Eq. 22 and in continuous time. Where none of it stands, the planner tries again: with
     further runs, then other ends (where they are placed), then more waypoints, each time with twice
-    as many runs. A plan that breaks a limit is never returned as feasible. A feasible plan that a
-    swinging load does not follow in simulation is only returned where nothing better was found
-    (`settings["tracked"]` tells).
+    as many runs and dearer turns. A plan that breaks a limit, or that a swinging load does not
+    follow in simulation, is never returned as feasible.
 
     Args:
         scenario: the task, or its name or file.
@@ -85,6 +90,8 @@ def plan(
         samples: samples n of trajectory and plan.
         search: rule that keeps waypoints inside: "free-space", "ellipsoid" or "box".
         coordination: of placed ends with the load: "alternation" or "joint" (D = 3m + 2K + 1).
+        simulate: whether plans are played in simulation and have to follow; where not,
+            `settings["simulated"]` says so.
         progress: called when something begins, see `Event`.
 
     Returns:
@@ -97,11 +104,14 @@ def plan(
         InputError: bad settings, a system that planning does not cover, or no taut way where
             nothing else is to be tried.
     """
-    scenario = load_scenario(scenario)
+    stated = load_scenario(scenario)
+    scenario = stated.own
     require_rule(scenario)
+    if isinstance(algorithm, str):
+        require_known("algorithm", algorithm, [*ALGORITHMS, TAUT])
     settings = Settings(
         None if algorithm == TAUT else algorithm_of(algorithm), ends, coordination, runs,
-        iterations, population, seed, samples, search,
+        iterations, population, seed, samples, search, simulate,
     )  # fmt: skip
     _require_sense(scenario, settings)
     require_count("waypoints", waypoints)
@@ -117,9 +127,11 @@ def plan(
                 progress(Event(phase, attempt.number, retries + 1))
 
         made += 1
+        price = PRICE * DEARER**attempt.number
+        this = settings._replace(told=told, price=price)
         for batch in range(attempt.batches):
             first = tally.take(runs)
-            tally.note(coordinate(scenario, settings._replace(told=told), attempt, first, batch))
+            tally.note(coordinate(scenario, this, attempt, first, batch))
             if tally.done:
                 break
         if tally.done:
@@ -130,10 +142,11 @@ def plan(
             "the free space here; give one that searches"
         )
     asked = settings._asdict()
-    del asked["told"]
+    del asked["told"], asked["price"], asked["simulate"]
     optimizer = asked.pop("optimizer")
     asked["algorithm"] = TAUT if optimizer is None else optimizer.name
-    best = explained(tally.best, ends)
+    best = unhurried(tally.best)
+    best = (explained(best, ends) if best is tally.best else best).stated(stated)
     return with_settings(best, **asked, retries=retries, attempts=made, runs_made=tally.runs)
 
 
@@ -199,4 +212,4 @@ class _Tally:
     @property
     def done(self) -> bool:
         """Whether there is nothing left to wish for."""
-        return self.best is not None and good(self.best)
+        return self.best is not None and self.best.feasible

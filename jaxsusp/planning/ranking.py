@@ -15,20 +15,14 @@ from jaxsusp.scenario.world import World, build_world, cast_world, rounded_count
 from jaxsusp.vec3 import Vec3, pack_rows
 from jaxsusp.verify.simulation import simulate
 
-GENTLE_TILT, GENTLE_TENSION = 0.3, 10.0
-"""Degrees of tilt up to which, and N of tension from which on, a load is taken to follow its plan
-without being simulated."""
-
-
-def good(plan: Plan) -> bool:
-    """Whether a plan leaves nothing to wish for: feasible, and a swinging load follows it."""
-    return plan.feasible and plan.settings["tracked"]
-
 
 def rank(plan: Plan) -> tuple:
-    """For the order of plans: feasible ones first, then tracked ones, then by fitness."""
-    settings = plan.settings
-    return not plan.feasible, len(plan.reasons), not settings["tracked"], settings["fitness"]
+    """For the order of plans: feasible ones first, then by what is least wrong, then by fitness.
+
+    What only simulation is against comes before what limits are against, and both before contacts.
+    """
+    clear, played = plan.certificate.proved, plan.settings["simulated"]
+    return not plan.feasible, not clear, not played, len(plan.reasons), plan.settings["fitness"]
 
 
 def with_settings(plan: Plan, **settings: Any) -> Plan:
@@ -36,12 +30,10 @@ def with_settings(plan: Plan, **settings: Any) -> Plan:
     return replace(plan, settings={**plan.settings, **settings})
 
 
-def tracks(plan: Plan) -> bool:
-    """Whether a load that swings stays with the plan: simulated, unless it hardly accelerates."""
-    values = {each.name: each.value for each in plan.report}
-    gentle = values.get("tilt of the load", np.inf) <= GENTLE_TILT and not plan.rigging.moves
-    taut = values["least tension"] >= GENTLE_TENSION
-    return (gentle and taut) or not simulate(plan.rigging).problems(plan.scenario.limits)
+def simulated_problems(plan: Plan) -> tuple[str, ...]:
+    """What speaks against a plan once it is played; nothing where a load that swings follows it."""
+    scenario = plan.scenario
+    return tuple(simulate(plan.rigging).problems(scenario.limits, scenario.frame))
 
 
 def fitness_of(scenario: Scenario, found: Plan) -> float:

@@ -11,26 +11,18 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp.mechanics import arm
-from jaxsusp.planning.plan import Plan
+from jaxsusp.planning.plan import UNITS, Plan
 from jaxsusp.planning.waypoints import plan_through
+from jaxsusp.scenario.ownunits import PLACE
+from jaxsusp.verify.certificate import ROUNDING
 from jaxsusp.verify.pairs import KINDS, System
 from jaxsusp.verify.scene import Scene
 from jaxsusp.verify.simulation import Simulation, simulate
 
-TOLERANCES = {
-    "path": (1e-6, "m"),
-    "times": (1e-6, "s"),
-    "position": (1e-6, "m"),
-    "velocity": (1e-6, "m/s"),
-    "acceleration": (1e-6, "m/s²"),
-    "jerk": (1e-5, "m/s³"),
-    "lengths": (1e-6, "m"),
-    "tensions": (1e-4, "N"),
-    "angles": (1e-6, "rad"),
-    "ends": (1e-6, "m"),
-    "joints": (1e-6, "rad"),
-}
-"""How much each array may differ from what follows from waypoints and ends."""
+TOLERANCES = {name: 1e-6 for name in UNITS if name not in ("waypoints", "end_path")} | {
+    "jerk": 1e-5, "tensions": 1e-4,
+}  # fmt: skip
+"""How much each array may differ from what follows from waypoints and ends, in own units."""
 
 
 CABLES_TO_ARMS = KINDS.index("cables to arms")
@@ -71,9 +63,16 @@ def verify_plan(plan: Plan, simulation: bool | Simulation = True) -> Verificatio
     return Verification(not reasons, tuple(reasons), anew, seen)
 
 
+_STEPS = 1e4
+"""Steps of float64 at the robots' bases that the third derivative of a spline can make of one."""
+
+
 def _differences(plan: Plan, anew: Plan, name: str) -> list[str]:
     """Where an array of a plan is not what follows from its waypoints, and what comes of it."""
-    tolerance, unit = TOLERANCES[name]
+    frame, unit = plan.scenario.units, UNITS[name].replace(PLACE, "m")
+    # Far from the world's origin even float64 has steps that derivatives make large.
+    steps = np.spacing(np.abs(frame.origin).max() / frame.length)
+    tolerance = frame.number(TOLERANCES[name] + _STEPS * steps, unit)
     stored, known = getattr(plan, name), getattr(anew, name)
     if stored.shape != known.shape:
         return [f"{name} has shape {stored.shape} instead of {known.shape}"]
@@ -115,10 +114,11 @@ def _broken(plan: Plan, values: np.ndarray, what: str, limits, unit: str) -> lis
 
 def _contacts(anew: Plan, positions: np.ndarray, ends: np.ndarray) -> list[str]:
     """What load and cables are too close to at stored positions, ends where they belong."""
-    system = System(anew.rigging)
+    units = anew.scenario.units
+    system = System(anew.rigging.own)
     scene = Scene(system.bodies)
     shape = len(positions), anew.rigging.cables, 3
-    points = system.locate(positions, np.broadcast_to(ends, shape))
+    points = system.locate(units.inside(positions), np.broadcast_to(units.inside(ends), shape))
     found: dict[str, str] = {}
     for row, places in enumerate(points):
         for index, body in enumerate(system.bodies):
@@ -127,9 +127,10 @@ def _contacts(anew: Plan, positions: np.ndarray, ends: np.ndarray) -> list[str]:
             if pair.kind > CABLES_TO_ARMS:
                 continue
             distance, _ = scene.distance(pair.other, pair.one)
-            if distance < pair.required - 1e-6:
+            if distance < pair.required - ROUNDING:
                 one, other = system.bodies[pair.one].name, system.bodies[pair.other].name
-                text = "touches" if distance <= 0 else f"is {distance:.4g} m from"
+                away = units.number(distance, "m")
+                text = "touches" if distance <= 0 else f"is {away:.4g} m from"
                 found.setdefault(f"{one} {other}", f"stored row {row}: {one} {text} {other}")
     return list(found.values())
 
@@ -144,7 +145,7 @@ def _misses(plan: Plan, anew: Plan) -> list[str]:
     off = np.linalg.norm(held - ends, axis=-1)
     for k in range(rigging.cables):
         row = int(np.where(np.isnan(off[:, k]), np.inf, off[:, k]).argmax())
-        if not off[row, k] <= 1e-6:
+        if not off[row, k] <= plan.scenario.units.number(ROUNDING, "m"):
             found.append(
                 f"joint angles of robot {k + 1} hold its end {off[row, k]:.4g} m away from where "
                 f"it has to be at {plan.times[row]:.2f} s"

@@ -18,7 +18,7 @@ from jaxsusp._types import Float
 from jaxsusp.coordination.ends import place_ends
 from jaxsusp.coordination.leastvariance import moving_ends
 from jaxsusp.errors import InputError
-from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.build import FINER, free_space
 from jaxsusp.freespace.rounding import rounded_ways
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
@@ -27,15 +27,18 @@ from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import fitness_of, good, tracks, with_settings
+from jaxsusp.planning.ranking import fitness_of, simulated_problems, with_settings
 from jaxsusp.planning.waypoints import plan_through
-from jaxsusp.problem.hardturns import gently
+from jaxsusp.problem.hardturns import PRICE, gently
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, rounded_counts
 
 LEAST_FOR_ENDS = 30
 """Iterations of a search for ends at least; a third of those for the load if that is more."""
+
+SEARCHED = "searched"
+"""The way of a plan that a search found, in its settings; beside `TAUT`."""
 
 Candidate = tuple[np.ndarray, np.ndarray | None]
 """Waypoints (dim,) or (waypoints, xyz) and the ends that go with them; None: the plain rule's."""
@@ -53,7 +56,9 @@ class Settings(NamedTuple):
     seed: int
     samples: int
     search: str
+    simulate: bool = True  # whether plans are played, and have to follow
     told: Callable[[str], None] = lambda phase: None
+    price: float = PRICE  # on hard turns
 
 
 def map_space(searched: Scenario, settings: Settings) -> FreeSpace | None:
@@ -67,6 +72,8 @@ def map_space(searched: Scenario, settings: Settings) -> FreeSpace | None:
     settings.told("mapping the free space")
     with suppress(InputError):  # with its margin, a warning area can reach the end of a cable
         space = free_space(searched)
+        if not (space.connected or settings.optimizer):  # taut ways have nothing else
+            space = free_space(searched, **FINER)
         return space if space.connected else None
     return None
 
@@ -131,7 +138,7 @@ def minimise(
     """Search and refine in float32, at a price on hard turns; the candidates in order of worth."""
     assert settings.optimizer is not None
     settings.told("searching")
-    problem = gently(problem)
+    problem = gently(problem, settings.price)
     outcome = run_batch(
         stack_problems([problem]), settings.optimizer, settings.seed,
         range(first, first + settings.runs), settings.iterations, settings.population,
@@ -171,25 +178,33 @@ def plan_ends(
 
 
 def verify(
-    scenario: Scenario, settings: Settings, candidates: Iterable[Candidate]
+    scenario: Scenario, settings: Settings, candidates: Iterable[Candidate], way: str = SEARCHED
 ) -> Iterator[Plan]:
     """Step 5: candidates on real curves, with all checks, until one leaves nothing to wish for."""
     for candidate in candidates:
-        found = played(checked(scenario, settings, candidate))
+        found = played(settings, checked(scenario, settings, candidate, way))
         yield found
-        if good(found):
+        if found.feasible:
             return
 
 
-def checked(scenario: Scenario, settings: Settings, candidate: Candidate) -> Plan:
-    """A candidate on its real curve, with all checks but the simulation."""
+def checked(
+    scenario: Scenario, settings: Settings, candidate: Candidate, way: str = SEARCHED
+) -> Plan:
+    """A candidate on its real curve, with all checks but the simulation; and whence it came."""
     settings.told("checking")
     x, ends = candidate
     waypoints = np.asarray(x, np.float64).reshape(-1, 3)
     found = plan_through(scenario, waypoints, ends, settings.samples)
-    return with_settings(found, fitness=fitness_of(scenario, found), tracked=False)
+    fitness = fitness_of(scenario, found)
+    return with_settings(found, fitness=fitness, way=way, simulated=False)
 
 
-def played(found: Plan) -> Plan:
-    """The plan with what simulation says of it."""
-    return with_settings(found, tracked=found.feasible and tracks(found))
+def played(settings: Settings, found: Plan) -> Plan:
+    """The plan with what simulation says of it: a load that does not follow makes it infeasible."""
+    if not (settings.simulate and found.feasible):
+        return found
+    settings.told("simulating")
+    problems = simulated_problems(found)
+    found = replace(found, feasible=not problems, reasons=problems)
+    return with_settings(found, simulated=True)

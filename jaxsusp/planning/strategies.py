@@ -15,10 +15,11 @@ import numpy as np
 from jaxsusp._types import Float
 from jaxsusp.coordination.ends import JointFitness, decode, joint_problem
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.planning.choices import TAUT
 from jaxsusp.planning.feasibility import static_tensions
 from jaxsusp.planning.margins import SNUG, with_ends_at, with_margins
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import good, rank
+from jaxsusp.planning.ranking import rank
 from jaxsusp.planning.steps import (
     Candidate,
     Settings,
@@ -84,20 +85,26 @@ def _given(
     space = map_space(searched, settings)
     ways = taut_ways(space, settings) if first_of_all else ()
     if settings.optimizer is None:
-        yield from verify(scenario, settings, ((way, None) for way in ways))
+        yield from verify(scenario, settings, ((way, None) for way in ways), TAUT)
         return
-    taut = _first_feasible(checked(scenario, settings, (way, None)) for way in ways)
+    taut = _first_fine(checked(scenario, settings, (way, None), TAUT) for way in ways)
     candidates = plan_load(searched, space, settings, attempt.waypoints, first)
     for found in verify(scenario, settings, ((x, None) for x in candidates)):
         yield found
-        if good(found) and taut and found.settings["fitness"] <= taut.settings["fitness"]:
+        if found.feasible and taut and found.settings["fitness"] <= taut.settings["fitness"]:
             return
     if taut:
-        yield played(taut)
+        yield played(settings, taut)
 
 
-def _first_feasible(tries: Iterable[Plan]) -> Plan | None:
-    return next((found for found in tries if found.feasible), None)
+def _first_fine(tries: Iterable[Plan]) -> Plan | None:
+    """The first feasible plan; where there is none, the first that is clear at least."""
+    clear = None
+    for found in tries:
+        if found.feasible:
+            return found
+        clear = clear or (found if found.certificate.proved else None)
+    return clear
 
 
 def _led(scenario: Scenario, settings: Settings, attempt: Attempt, first: int) -> Iterator[Plan]:

@@ -15,6 +15,7 @@ from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import angles
 from jaxsusp.planning.plan import Plan
+from jaxsusp.scenario.ownunits import UNCHANGED, Frame
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.suspension.rigging import Rigging, ends_beside
@@ -24,7 +25,7 @@ from jaxsusp.verify.certificate import Certificate, certify
 from jaxsusp.verify.constraints import TURN, Check, constraint_report
 
 FAR = 1e6
-"""m; the greatest coordinate of waypoints and ends."""
+"""The greatest coordinate of waypoints and ends, in the task's own units."""
 
 
 def plan_through(
@@ -54,14 +55,15 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
-    scenario = load_scenario(scenario)
+    asked = load_scenario(scenario)
+    scenario = asked.own
     require_rule(scenario)
     require_count("samples", samples, least=3)
-    waypoints = _points("waypoints", waypoints)
+    waypoints = _points("waypoints", waypoints, asked.units)
     require(len(waypoints) > 0, "waypoints: none given; give one or more")
     path = sample_path(scenario, waypoints, samples)
     law = TimeLaw.through(path, scenario.task.duration)
-    end_path = ends_beside(scenario, path) if ends is None else _end_path(scenario, ends, samples)
+    end_path = ends_beside(scenario, path) if ends is None else _end_path(asked, ends, samples)
     if elbow_up is not None:
         elbow_up = np.array(elbow_up, bool)
         require(
@@ -71,7 +73,7 @@ def plan_through(
     rigging = Rigging.of(scenario, law, end_path, elbow_up)
     certificate = certify(rigging)
     report = constraint_report(rigging, certificate)
-    reasons = tuple(_reasons(report, certificate))
+    reasons = tuple(_reasons(report, certificate, scenario.frame))
     times = np.linspace(0, scenario.task.duration, samples)
     along, loads = rigging.ends_at(law.parameter(times)), rigging.loads(times)
     return Plan(
@@ -91,7 +93,7 @@ def plan_through(
         report,
         certificate,
         dict(settings or {}),
-    )
+    ).stated(asked)
 
 
 def sample_path(scenario: Scenario, waypoints: np.ndarray, samples: int) -> np.ndarray:
@@ -105,7 +107,7 @@ _makima = jax.jit(makima, static_argnums=1)
 
 
 def _end_path(scenario: Scenario, given: Any, samples: int) -> np.ndarray:
-    """Ends as rows beside the path, as many as the drive mode asks for."""
+    """Ends as rows beside the path in own units, as many as the drive mode asks for."""
     ends, count = _numbers("ends", given), len(scenario.robots)
     if not moving(scenario.drive):
         shape, what = (count, 3), "give one per robot"
@@ -116,7 +118,7 @@ def _end_path(scenario: Scenario, given: Any, samples: int) -> np.ndarray:
         ends.shape == shape,
         f"ends: got an array of shape {ends.shape} for {count} robots; {what}: shape {shape}, in m",
     )
-    return ends.reshape(-1, count, 3)
+    return _near("ends", scenario.units.inside(ends), scenario.units).reshape(-1, count, 3)
 
 
 def _angles(posture: np.ndarray) -> np.ndarray:
@@ -127,35 +129,51 @@ def _angles(posture: np.ndarray) -> np.ndarray:
 _angles_of = jax.jit(jax.vmap(angles))
 
 
-def _points(name: str, given: Any) -> np.ndarray:
-    """Positions (rows of x, y, z) from what a person gave."""
+def _points(name: str, given: Any, units: Frame) -> np.ndarray:
+    """Positions (rows of x, y, z) in own units from what a person gave."""
     points = _numbers(name, given)
     require(
         points.ndim == 2 and points.shape[1] == 3,
         f"{name}: got an array of shape {points.shape}; give positions (rows of x, y, z) in m",
     )
-    return points
+    return _near(name, units.inside(points), units)
+
+
+def _near(name: str, places: np.ndarray, units: Frame) -> np.ndarray:
+    """Places of which a plan can be made."""
+    wrong = places[~(np.abs(places) <= FAR)]
+    require(
+        wrong.size == 0,
+        f"{name}: has {units.number(wrong[:1], 'm')} in it, from the middle of the robots' bases; "
+        f"give finite numbers up to {units.number(FAR, 'm'):g} m",
+    )
+    return places
 
 
 def _numbers(name: str, given: Any) -> np.ndarray:
-    """Finite numbers of a size that a plan can be made of."""
+    """An array of numbers."""
     try:
-        values = np.array(given, np.float64)
+        return np.array(given, np.float64)
     except (TypeError, ValueError):
         raise InputError(f"{name}: is no array of numbers; give rows of x, y, z in m") from None
-    wrong = values[~(np.abs(values) <= FAR)]
-    require(wrong.size == 0, f"{name}: has {wrong[:1]} in it; give finite numbers up to {FAR:g} m")
-    return values
 
 
-def _reasons(report: tuple[Check, ...], certificate: Certificate) -> list[str]:
-    """What is wrong: limits, and the first time at which each pair comes too close."""
+def _reasons(
+    report: tuple[Check, ...], certificate: Certificate, frame: Frame = UNCHANGED
+) -> list[str]:
+    """What is wrong: limits, and the first time at which each pair comes too close.
+
+    Args:
+        report: of limits.
+        certificate: of distances.
+        frame: how their numbers become SI units.
+    """
     found = [
         f"level is no equilibrium: {each.reason}" if each.name == TURN else each.reason
-        for each in report
+        for each in (line.stated(frame) for line in report)
         if not each.ok and not each.name.startswith("distance of")
     ]
-    for contact in certificate.contacts:
+    for contact in certificate.stated(frame).contacts:
         one, other = contact.bodies
         required = f"the {contact.required:.4g} m required"
         if contact.least <= 0:

@@ -74,7 +74,7 @@ def equilibrium(
     Raises:
         InputError: a tilted posture at a hook; separate attachments whose ends no rule moves.
     """
-    scenario = load_scenario(scenario)
+    scenario = load_scenario(scenario, task_checked=False)
     hook = scenario.payload.attachments == "hook"
     level = np.eye(3)
     start = level if posture is None else np.asarray(posture, np.float64)
@@ -119,10 +119,12 @@ def hanging_trouble(scenario: Scenario, position: Float[Array, "xyz"] | Sequence
     """Why a load does not hang near level and steadily at a position; empty if it does."""
     found = equilibrium(scenario, position)
     limit, turn = scenario.limits.posture_deg, float(np.rad2deg(found.turn))
+    say = scenario.frame
     if not found.balanced:
         return (
             f"no posture is an equilibrium: with the cables' best tensions "
-            f"{float(found.force):.3g} N and {float(found.moment):.3g} N m are missing"
+            f"{say.number(float(found.force), 'N'):.3g} N and "
+            f"{say.number(float(found.moment), 'N m'):.3g} N m are missing"
         )
     if not turn <= limit:
         return (

@@ -16,6 +16,7 @@ import numpy as np
 from jaxsusp._types import Bool, Float
 from jaxsusp.mechanics import arm
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.scenario.ownunits import UNCHANGED
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of, build_world, cast_world, rounded_counts
 from jaxsusp.suspension.armclearance import choose_elbows
@@ -63,6 +64,16 @@ class Rigging:
             )
             arrays = self.law.path.curve(u), ends, self.bases_at(ends)
             return np.asarray(_choose_elbows(world, *map(jnp.asarray, arrays)))
+
+    @cached_property
+    def own(self) -> "Rigging":
+        """The same system in the task's own units and frame."""
+        units = self.scenario.units
+        if units == UNCHANGED:
+            return self
+        duration = self.law.duration / units.factor("s")
+        law = TimeLaw.through(units.inside(self.law.path.points), duration)
+        return Rigging(self.scenario.own, law, units.inside(self.end_path), self.elbow_up)
 
     @property
     def moves(self) -> bool:

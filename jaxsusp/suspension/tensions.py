@@ -41,7 +41,7 @@ def tensions(
     Raises:
         InputError: separate attachments whose ends no rule moves.
     """
-    scenario = load_scenario(scenario)
+    scenario = load_scenario(scenario, task_checked=False)
     if scenario.payload.attachments != "hook":
         found = equilibrium(scenario, position, acceleration)
         with jax.enable_x64(found.tensions.dtype == np.float64):

@@ -1,7 +1,7 @@
 """Where the load can be for given ends: admissible tensions and, with obstacles, clear cables."""
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +11,7 @@ from jaxsusp._types import Array, Bool, Float
 from jaxsusp.errors import InputError
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.scenario.ownunits import TOUCH
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
 from jaxsusp.scenario.world import World, build_world, cast_world
@@ -20,7 +21,11 @@ from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.vec3 import Vec3
 
 HOOK_SPACING, SEPARATE_SPACING = 0.1, 0.25
-"""Default spacing (m); with separate attachments every cell costs an equilibrium."""
+"""Default spacing in the task's own units; with separate attachments every cell costs an
+equilibrium."""
+
+HOOK_CELLS, SEPARATE_CELLS = 1_000_000, 50_000
+"""Cells at most that a default spacing gives: it is larger in a workspace that would have more."""
 
 _MOST = 5_000_000
 _FEWEST = 3  # cells along an axis: one alone would stand for everything beside it
@@ -51,6 +56,17 @@ class Workspace:
         """Admissible and clear."""
         return self.admissible & self.clear
 
+    def stated(self, scenario: Scenario) -> "Workspace":
+        """That of a task in own units as one of the scenario that states it."""
+        if self.scenario is scenario:
+            return self
+        units = scenario.units
+        x, y, z = (
+            units.length * axis + start for axis, start in zip(self.axes, units.origin, strict=True)
+        )
+        tensions = units.number(self.tensions, "N")
+        return replace(self, scenario=scenario, axes=(x, y, z), tensions=tensions)
+
     @property
     def cell(self) -> float:
         """Volume of a cell (m³)."""
@@ -74,18 +90,21 @@ def workspace(scenario: Scenario | Named, spacing: float | None = None) -> Works
 
     Args:
         scenario: the ends are as given; in a drive mode that moves them, where its plain rule puts
-            them when the load comes from the start.
-        spacing: of the grid (m), rounded so that cells fill the workspace; default 0.1, with
-            separate attachments 0.25.
+            them when the load comes from the start. Its start and goal may be inadmissible.
+        spacing: of the grid (m), rounded so that cells fill the workspace; default a ninetieth of
+            the robots' mean total link length, with separate attachments a 36th, and more in a
+            large workspace.
 
     Raises:
         InputError: a spacing that is not positive or gives too many or too few cells; separate
             attachments whose ends move.
     """
-    scenario = load_scenario(scenario)
+    asked = load_scenario(scenario, task_checked=False)
+    scenario = asked.own
     require_rule(scenario)
     hook = scenario.payload.attachments == "hook"
-    axes = _axes(scenario, spacing or (HOOK_SPACING if hook else SEPARATE_SPACING), spacing)
+    chosen = _default_spacing(scenario) if spacing is None else _asked(asked, spacing)
+    axes = _axes(scenario, chosen)
     shape = tuple(map(len, axes))
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     with jax.enable_x64(True):
@@ -102,26 +121,41 @@ def workspace(scenario: Scenario | Named, spacing: float | None = None) -> Works
         tensions.reshape(*shape, -1),
         admissible.reshape(shape),
         clear.reshape(shape),
-    )
+    ).stated(asked)
 
 
-def _axes(
-    scenario: Scenario, spacing: float, given: float | None
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Centres of cells that fill the workspace box."""
-    low, high = np.array(scenario.workspace.lower), np.array(scenario.workspace.upper)
-    if given is not None and not (np.isfinite(given) and given > 0):
-        raise InputError(f"spacing = {given}: give a length above 0 m")
-    counts = np.maximum(1, np.round((high - low) / spacing))
+def _sides(scenario: Scenario) -> Float[np.ndarray, "3"]:
+    return np.subtract(scenario.workspace.upper, scenario.workspace.lower)
+
+
+def _default_spacing(scenario: Scenario) -> float:
+    hook = scenario.payload.attachments == "hook"
+    usual, most = (HOOK_SPACING, HOOK_CELLS) if hook else (SEPARATE_SPACING, SEPARATE_CELLS)
+    return max(usual, float((np.prod(_sides(scenario)) / most) ** (1 / 3)))
+
+
+def _asked(scenario: Scenario, spacing: float) -> float:
+    """A spacing that a person gave, in own units."""
+    if not (np.isfinite(spacing) and spacing > 0):
+        raise InputError(f"spacing = {spacing}: give a length above 0 m")
+    sides = _sides(scenario)
+    counts = np.maximum(1, np.round(sides / spacing))
     if counts.prod() > _MOST:
-        least = float((np.prod(high - low) / _MOST) ** (1 / 3))
+        least = float((np.prod(sides) / _MOST) ** (1 / 3))
         raise InputError(f"spacing = {spacing:g} m gives too many cells; give {least:.2g} or more")
-    if given is not None and counts.min() < _FEWEST:
-        most = float((high - low).min() / _FEWEST)
+    if counts.min() < _FEWEST:
+        most = float(sides.min() / _FEWEST)
         raise InputError(
-            f"spacing = {given:g} m gives fewer than {_FEWEST} cells along an axis; give "
+            f"spacing = {spacing:g} m gives fewer than {_FEWEST} cells along an axis; give "
             f"{most:.2g} or less"
         )
+    return spacing / scenario.units.length
+
+
+def _axes(scenario: Scenario, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Centres of cells that fill the workspace box."""
+    low, high = np.array(scenario.workspace.lower), np.array(scenario.workspace.upper)
+    counts = np.maximum(1, np.round((high - low) / spacing))
     x, y, z = (
         lo + (np.arange(count) + 0.5) * (hi - lo) / count
         for lo, hi, count in zip(low, high, counts.astype(int), strict=True)
@@ -146,6 +180,7 @@ def _judge(world: World, points: Array, drive: str) -> tuple[Array, Array, Array
         admissible &= count_misplaced(world, alone, drive) == 0
         bodies = bodies._replace(ends=ends.each(lambda c: jnp.stack([c, c], axis=1)))
     clear = count_collisions(still, bodies, world.obstacles) == 0
+    clear &= position.z >= world.floor - TOUCH
     return jnp.stack(tensions, axis=-1), admissible, clear
 
 

@@ -6,16 +6,19 @@ They are as stiff as drives with gears are: under a cable of 100 N the end of a 
 5 m gives way by 0.1 mm.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from jaxsusp._types import Float
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.engine import mujoco
 from jaxsusp.verify.pairs import PARTS
 
 COLOR = (0.60, 0.64, 0.69, 1.0)
+
+# All of these are in the task's own units, as those of `verify.model`.
 
 ARMATURE = 1e3
 """kg m² (kg of a base); inertia of the drives."""
@@ -66,49 +69,65 @@ def _add_standing(spec: Any, rigging: Rigging, k: int) -> None:
     for part, name in enumerate(PARTS):
         radius = robot.link_radius if part else robot.column_radius
         _capsule(world, f"{name} of robot {k + 1}", chain[part], chain[part + 1], radius)
-    _end(world, k, chain[3])
+    _end(world, rigging.scenario.units, k, chain[3])
 
 
 def _add_driven(spec: Any, rigging: Rigging, k: int) -> None:
     robot, number = rigging.scenario.robots[k], k + 1
-    kinds, origin = mujoco.mjtJoint, np.zeros(3)
+    units, origin = rigging.scenario.units, np.zeros(3)
+    turn = _Servo(spec, units, mujoco.mjtJoint.mjJNT_HINGE)
     a1, a2, a3 = (np.array([0.0, 0.0, length]) for length in robot.links)
-    foot = _body(spec.worldbody, f"robot {number}", robot.base)
+    foot = _body(spec.worldbody, units, f"robot {number}", robot.base)
     if rigging.rolls:
+        slide = _Servo(spec, units, mujoco.mjtJoint.mjJNT_SLIDE)
         for name, axis in (("base x", [1, 0, 0]), ("base y", [0, 1, 0])):
-            _servo(spec, foot, f"{name} {number}", kinds.mjJNT_SLIDE, axis)
+            slide.add(foot, f"{name} {number}", axis)
     _capsule(foot, f"column of robot {number}", origin, a1, robot.column_radius)
-    shoulder = _body(foot, f"shoulder {number}", a1)
-    _servo(spec, shoulder, f"joint 1 {number}", kinds.mjJNT_HINGE, [0, 0, 1])
-    upper = _body(shoulder, f"upper {number}", origin)
-    _servo(spec, upper, f"joint 2 {number}", kinds.mjJNT_HINGE, [0, 1, 0])
+    shoulder = _body(foot, units, f"shoulder {number}", a1)
+    turn.add(shoulder, f"joint 1 {number}", [0, 0, 1])
+    upper = _body(shoulder, units, f"upper {number}", origin)
+    turn.add(upper, f"joint 2 {number}", [0, 1, 0])
     _capsule(upper, f"upper link of robot {number}", origin, a2, robot.link_radius)
-    lower = _body(upper, f"lower {number}", a2)
-    _servo(spec, lower, f"joint 3 {number}", kinds.mjJNT_HINGE, [0, 1, 0])
+    lower = _body(upper, units, f"lower {number}", a2)
+    turn.add(lower, f"joint 3 {number}", [0, 1, 0])
     _capsule(lower, f"lower link of robot {number}", origin, a3, robot.link_radius)
-    _end(lower, k, a3)
+    _end(lower, units, k, a3)
 
 
-def _body(parent: Any, name: str, place: Any) -> Any:
+def _body(parent: Any, units: Frame, name: str, place: Any) -> Any:
     """A body whose weight the drives carry."""
     body = parent.add_body(name=name, pos=place, gravcomp=1)
-    body.explicitinertial, body.mass, body.inertia = True, 1.0, [1.0] * 3
+    mass = units.number(1.0, "kg")
+    body.explicitinertial, body.mass = True, mass
+    body.inertia = [mass * units.length**2] * 3
     return body
 
 
-def _servo(spec: Any, body: Any, name: str, kind: Any, axis: list[int]) -> None:
-    """A joint and the position servo that holds it."""
-    joint = body.add_joint(name=name, type=kind, axis=axis)
-    joint.armature = ARMATURE
-    spec.add_actuator(
-        name=name,
-        target=name,
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-        gainprm=[GAIN, *[0] * 9],
-        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
-        biasprm=[0, -GAIN, -DAMPING, *[0] * 7],
-    )
+class _Servo(NamedTuple):
+    """Joints of one kind, with the position servos that hold them."""
+
+    spec: Any
+    units: Frame
+    kind: Any
+
+    def add(self, body: Any, name: str, axis: list[int]) -> None:
+        """Add one joint and its servo."""
+        lever = 1.0 if self.kind == mujoco.mjtJoint.mjJNT_SLIDE else self.units.length**2
+        gain, damping, armature = (
+            lever * self.units.number(value, unit)
+            for value, unit in ((GAIN, "N/m"), (DAMPING, "N s/m"), (ARMATURE, "kg"))
+        )
+        joint = body.add_joint(name=name, type=self.kind, axis=axis)
+        joint.armature = armature
+        self.spec.add_actuator(
+            name=name,
+            target=name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+            gainprm=[gain, *[0] * 9],
+            biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+            biasprm=[0, -gain, -damping, *[0] * 7],
+        )
 
 
 def _capsule(parent: Any, name: str, start: Any, stop: Any, radius: float) -> None:
@@ -118,5 +137,6 @@ def _capsule(parent: Any, name: str, start: Any, stop: Any, radius: float) -> No
     )  # fmt: skip
 
 
-def _end(parent: Any, k: int, place: Any) -> None:
-    parent.add_site(name=f"end {k + 1}", pos=place, size=[0.05] * 3, rgba=COLOR)
+def _end(parent: Any, units: Frame, k: int, place: Any) -> None:
+    size = [units.number(0.05, "m")] * 3
+    parent.add_site(name=f"end {k + 1}", pos=place, size=size, rgba=COLOR)

@@ -91,6 +91,24 @@ class CapsuleShape(NamedTuple):
         )
 
 
+class GroundShape(NamedTuple):
+    """All that is below a height (m)."""
+
+    height: float
+
+    def support(self, normals):
+        """Greatest normal · point over the body (m); infinite but straight up."""
+        level = np.hypot(normals[:, 0], normals[:, 1])
+        up = (level <= 1e-12) & (normals[:, 2] > 0)
+        return np.where(up, self.height * normals[:, 2], np.inf)
+
+    def add(self, spec, name):
+        """A plane."""
+        spec.worldbody.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_PLANE, pos=[0, 0, self.height], size=[1, 1, 1]
+        )
+
+
 Shape = BoxShape | CylinderShape | CapsuleShape
 """Convex bodies that know how far they reach in a direction, and how to become a geom."""
 
@@ -117,7 +135,12 @@ class Body(NamedTuple):
     second: int = 0
     radius: float = 0.0  # m
     half_height: float | None = None  # m, of the load
-    obstacle: Shape | None = None
+    obstacle: Shape | GroundShape | None = None
+
+    @property
+    def below(self) -> float:
+        """How far the body goes below the lowest of its points (m)."""
+        return self.radius if self.half_height is None else self.half_height
 
     def reach(self, normals: Float[np.ndarray, "rows xyz"]) -> Float[np.ndarray, "rows"]:
         """How far the body goes beyond its points in given directions (m)."""

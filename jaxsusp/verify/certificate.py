@@ -10,11 +10,12 @@ is found. Intervals that might hold a smaller clearance than the least found so 
 well: the least clearance is exact to `TOLERANCE` where nothing fails.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.elbow import elbow_speed
 from jaxsusp.verify.pairs import KINDS, System
@@ -45,6 +46,14 @@ class Clearance(NamedTuple):
         """How much more there is than required (m)."""
         return self.value - self.required
 
+    def stated(self, frame: Frame) -> "Clearance":
+        """The same with numbers as a frame makes them."""
+        return self._replace(
+            value=frame.number(self.value, "m"),
+            required=frame.number(self.required, "m"),
+            time=frame.number(self.time, "s"),
+        )
+
 
 class Contact(NamedTuple):
     """The first time at which a pair is closer than required (or not proved to be further)."""
@@ -54,6 +63,14 @@ class Contact(NamedTuple):
     value: float  # m, the distance then
     required: float  # m
     least: float  # m, the least distance seen of this pair
+
+    def stated(self, frame: Frame) -> "Contact":
+        """The same with numbers as a frame makes them."""
+        lengths = {name: frame.number(getattr(self, name), "m") for name in _LENGTHS}
+        return self._replace(**lengths, time=frame.number(self.time, "s"))
+
+
+_LENGTHS = ("value", "required", "least")
 
 
 @dataclass(frozen=True)
@@ -65,6 +82,12 @@ class Certificate:
     contacts: tuple[Contact, ...]  # first of every pair that fails, earliest first
     distances: int  # how many were computed
 
+    def stated(self, frame: Frame) -> "Certificate":
+        """The same with numbers as a frame makes them."""
+        clearances = tuple(each.stated(frame) for each in self.clearances)
+        contacts = tuple(each.stated(frame) for each in self.contacts)
+        return replace(self, clearances=clearances, contacts=contacts)
+
 
 def certify(rigging: Rigging, first_only: bool = False) -> Certificate:
     """Check load, cables and arms of a plan along its real curve.
@@ -72,7 +95,7 @@ def certify(rigging: Rigging, first_only: bool = False) -> Certificate:
     Required are the warning distance ϑ between load, cables, arms and obstacles, and between load
     or cables and arms; `limits.separation` between arms and ends of different robots; and that
     cables do not touch each other, nor the lower link at whose end they begin, nor a lower link
-    its own column. The ground is no body.
+    its own column. Load, cables and links keep ϑ off the ground.
 
     Args:
         rigging: the load's curve, with ends and arms.
@@ -167,6 +190,11 @@ class _Search:
         columns = self._one, self._other, self._kind, self._span_one, self._span_other
         rows = zip(*(column[pair].tolist() for column in columns), strict=True)
         for row, (one, other, kind, (a, b), (c, d)) in enumerate(rows):
+            if kind >= _GROUND:
+                ground = self._bodies[other].obstacle
+                lowest = min(points[row, a, 2], points[row, b, 2]) - self._bodies[one].below
+                value[row], normal[row] = lowest - ground.height, (0.0, 0.0, 1.0)
+                continue
             if kind == _ENDS:
                 way = points[row, a] - points[row, c]
                 value[row] = np.sqrt(way @ way)
@@ -272,6 +300,7 @@ class _Search:
 
 
 _ENDS = KINDS.index("ends to each other")
+_GROUND = KINDS.index("load to the ground")  # and those behind it
 
 
 class _Motion(NamedTuple):

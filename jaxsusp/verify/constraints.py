@@ -6,6 +6,7 @@ import numpy as np
 
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
+from jaxsusp.scenario.ownunits import PAYLOAD, Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.cableloads import Loads, cable_loads
@@ -39,6 +40,13 @@ class Check(NamedTuple):
     time: float | None  # s, when the value occurs; None where it does not depend on time
     about: str  # which body, cable or robot; "" for the whole system
     slack: float = 0.0  # how far beyond a limit rounding may be
+
+    def stated(self, frame: Frame) -> "Check":
+        """The same line with numbers as a frame makes them."""
+        numbers = ("value", "low", "high", "slack")
+        changed = {name: frame.number(getattr(self, name), self.unit) for name in numbers}
+        time = None if self.time is None else frame.number(self.time, "s")
+        return self._replace(**changed, time=time)
 
     @property
     def margin(self) -> float:
@@ -182,10 +190,15 @@ def _distances(certificate: Certificate) -> list[Check]:
     ]  # fmt: skip
 
 
+def _slack(unit: str) -> float:
+    """How far beyond a limit rounding may be."""
+    return {"m": ROUNDING, "N": 1e-6 * PAYLOAD * GRAVITY}.get(unit, 1e-9)
+
+
 def _extreme(name, values, times, which, low, high, unit, about="") -> Check:
     """The worst of a quantity over time; a NaN is the worst of all."""
     at = int(np.argmin(values) if which is min else np.argmax(values))
-    return Check(name, float(values[at]), low, high, unit, float(times[at]), about, 1e-9)
+    return Check(name, float(values[at]), low, high, unit, float(times[at]), about, _slack(unit))
 
 
 def _of_cable(name, values, times, which, low, high, unit) -> Check:
@@ -195,7 +208,7 @@ def _of_cable(name, values, times, which, low, high, unit) -> Check:
     word = "least" if which is min else "greatest"
     about = f"cable {k + 1}"
     return Check(f"{word} {name}" if "ultimate" not in name else name, float(values[at, k]),
-                 low, high, unit, float(times[at]), about, 1e-9)  # fmt: skip
+                 low, high, unit, float(times[at]), about, _slack(unit))  # fmt: skip
 
 
 def _inside(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list[Check]:
@@ -230,7 +243,7 @@ def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check
         margin = np.minimum(values - low, high - values)
         at = int(margin.argmin())
         time = float(times[at]) if rigging.moves else None
-        return Check(name, float(values[at]), low, high, unit, time, f"robot {k + 1}", 1e-9)
+        return Check(name, float(values[at]), low, high, unit, time, f"robot {k + 1}", _slack(unit))
 
     for k in range(rigging.cables):
         checks.append(worst("reach", distance[:, k], float(near[k]), float(far[k]), "m", k))

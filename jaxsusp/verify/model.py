@@ -6,30 +6,55 @@ pushes. The load has six freedoms. Its rotations are damped a little, as frictio
 the paper gives no number, ours is a tenth of critical.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.armmodel import add_robots, servo_names, servo_positions
 from jaxsusp.verify.bodies import BoxShape, CapsuleShape, CylinderShape, Shape, obstacle_shape
 from jaxsusp.verify.engine import mujoco
 
+# All of these are in the task's own units (see `jaxsusp.scenario.ownunits`), which are those of the
+# benchmark's loads: a model in SI units has them converted, and is the same system at every size.
+
+ELONGATION = 1e-3
+"""How much longer than commanded a cable is under its greatest tension."""
+
+DAMPING_RATIO = 0.433013
+"""Share of critical, of winches whose cables hold the load straight up together."""
+
+STEPS_PER_PERIOD = 18
+"""Time steps, at least, per period of the load on those cables: its fastest translation."""
+
 TIMESTEP = 0.002
-"""s; a tenth of the shortest period of the stretched cables."""
-
-STIFFNESS = 1e5
-"""N/m; a cable under 100 N is 1 mm longer than commanded."""
-
-DAMPING = 500.0
-"""N s/m, of the winches: about a third of critical for the default load."""
+"""Longest time step in the task's own units, for a load that swings about its attachments."""
 
 SWING_DAMPING = 0.1
 """Share of critical damping of the load's swing about the hook."""
 
 _STONE = (0.79, 0.80, 0.83, 1.0)
 _LOAD, _CABLE = (0.77, 0.24, 0.0, 1.0), (0.17, 0.17, 0.17, 1.0)
+
+
+class Cables(NamedTuple):
+    """What makes cables behave alike at every size and load."""
+
+    stiffness: float  # N/m
+    damping: float  # N s/m, of the winches
+    timestep: float  # s
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> "Cables":
+        """From the greatest tension, the load's mass and the number of cables."""
+        mass, count = scenario.payload.mass, len(scenario.robots)
+        stiffness = scenario.limits.tension[1] / scenario.units.number(ELONGATION, "m")
+        period = 2 * np.pi * np.sqrt(mass / (count * stiffness))
+        damping = 2 * DAMPING_RATIO * np.sqrt(stiffness * mass / count)
+        longest = scenario.units.number(TIMESTEP, "s")
+        return cls(stiffness, float(damping), min(longest, float(period / STEPS_PER_PERIOD)))
 
 
 def build_spec(rigging: Rigging) -> Any:
@@ -40,12 +65,13 @@ def build_spec(rigging: Rigging) -> Any:
     """
     spec = mujoco.MjSpec()
     spec.modelname = rigging.scenario.name
-    spec.option.timestep = TIMESTEP
+    units = rigging.scenario.units
+    stiffness, damping, spec.option.timestep = Cables.of(rigging.scenario)
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1920, 1080
     spec.visual.headlight.ambient = [0.45] * 3
     spec.visual.headlight.diffuse = [0.45] * 3
-    spec.visual.map.zfar = 60.0
+    spec.visual.map.zfar = units.number(60.0, "m")
     _surroundings(spec, rigging)
     _load(spec, rigging)
     limits = rigging.scenario.limits
@@ -57,13 +83,13 @@ def build_spec(rigging: Rigging) -> Any:
             target=f"cable {k + 1}",
             trntype=mujoco.mjtTrn.mjTRN_TENDON,
             gaintype=mujoco.mjtGain.mjGAIN_FIXED,
-            gainprm=[STIFFNESS, *[0] * 9],
+            gainprm=[stiffness, *[0] * 9],
             biastype=mujoco.mjtBias.mjBIAS_AFFINE,
-            biasprm=[0, -STIFFNESS, -DAMPING, *[0] * 7],
+            biasprm=[0, -stiffness, -damping, *[0] * 7],
             ctrllimited=True,
             ctrlrange=[0, 2 * limits.cable_length[1]],
             forcelimited=True,
-            forcerange=[-1e6, 0],  # a cable pulls and never pushes
+            forcerange=[-units.number(1e6, "N"), 0],  # a cable pulls and never pushes
         )
     add_robots(spec, rigging)
     for k, tendon in enumerate(spec.tendons):
@@ -81,9 +107,9 @@ def _key_frame(spec: Any, rigging: Rigging) -> None:
     for name, value in zip(servo_names(rigging), servos, strict=True):
         state[model.joint(name).qposadr[0]] = value
     turn = model.joint("turn").qposadr[0]
-    loads = rigging.loads(np.zeros(1))
+    loads, stiffness = rigging.loads(np.zeros(1)), Cables.of(rigging.scenario).stiffness
     mujoco.mju_mat2Quat(state[turn : turn + 4], loads.posture[0].ravel())
-    control = np.concatenate([loads.lengths[0] - loads.tensions[0] / STIFFNESS, servos])
+    control = np.concatenate([loads.lengths[0] - loads.tensions[0] / stiffness, servos])
     spec.add_key(name="start", qpos=state, ctrl=control)
 
 
@@ -94,17 +120,25 @@ def _surroundings(spec: Any, rigging: Rigging) -> None:
         name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=64, height=384,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, rgb1=[1, 1, 1], rgb2=[0.86, 0.89, 0.93],
     )  # fmt: skip
+    units = rigging.scenario.units
     world.add_light(
-        pos=[3, -6, 12], dir=[-0.2, 0.4, -0.9], diffuse=[0.4] * 3,
+        pos=units.place([3, -6, 12]), dir=[-0.2, 0.4, -0.9], diffuse=[0.4] * 3,
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
     )  # fmt: skip
-    world.add_geom(
-        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[9, 9, 0.1],
-        rgba=[0.93, 0.93, 0.92, 1], contype=0,
-    )  # fmt: skip
+    if (height := rigging.scenario.ground_height) is not None:
+        middle = units.place([0, 0, 0])
+        _floor(world, [middle[0], middle[1], height], units.length)
     for number, obstacle in enumerate(rigging.scenario.obstacles, start=1):
         name = f"{number} {obstacle.name or f'obstacle {number}'}"
         _geom(world, name, obstacle_shape(obstacle))
+
+
+def _floor(world: Any, place: list[float], length: float) -> None:
+    """The ground, drawn about the robots and in contact everywhere."""
+    world.add_geom(
+        name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, pos=place,
+        size=[9 * length, 9 * length, 0.1 * length], rgba=[0.93, 0.93, 0.92, 1], contype=0,
+    )  # fmt: skip
 
 
 def _geom(world: Any, name: str, shape: Shape) -> None:
@@ -142,5 +176,6 @@ def _load(spec: Any, rigging: Rigging) -> None:
     body.explicitinertial, body.mass = True, payload.mass
     body.ipos = payload.center_of_mass
     body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
+    dot = rigging.scenario.units.number(0.02, "m")
     for k, place in enumerate(attachments_of(rigging.scenario)):
-        body.add_site(name=f"attachment {k + 1}", pos=place, size=[0.02] * 3, rgba=_CABLE)
+        body.add_site(name=f"attachment {k + 1}", pos=place, size=[dot] * 3, rgba=_CABLE)

@@ -15,7 +15,7 @@ from jaxsusp._types import Float
 from jaxsusp.scenario.world import attachments_of, warning_shape
 from jaxsusp.suspension.armclearance import NEAR_END
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.bodies import Body, obstacle_shape
+from jaxsusp.verify.bodies import Body, GroundShape, obstacle_shape
 from jaxsusp.verify.elbow import elbow
 
 NEAR_HOOK = 0.1
@@ -33,6 +33,9 @@ KINDS = (
     "ends to each other",
     "cables to their own links",
     "arms to themselves",
+    "load to the ground",
+    "cables to the ground",
+    "links to the ground",
 )
 """What is measured, in the order of the report."""
 
@@ -95,6 +98,9 @@ class System:
         ]
         gap, separation = scenario.limits.clearance, scenario.limits.separation
         links = [(k, part, body) for k in cables for part, body in enumerate(arms[k])]
+        held_up = [body for _, part, body in links if part]  # columns stand on the ground
+        ground = scenario.ground_height
+        grounds = [] if ground is None else [self._body("ground", obstacle=GroundShape(ground))]
         pairs = [
             *(Pair(load, each, 0, gap) for each in obstacles),
             *(Pair(line, each, 1, gap) for line in lines for each in obstacles),
@@ -115,6 +121,12 @@ class System:
             *(Pair(other, one, 7, separation) for one, other in combinations(ends, 2)),
             *(Pair(held[k], arms[k][2], 8, 0.0) for k in cables),
             *(Pair(arm[2], arm[0], 9, 0.0) for arm in arms),
+            *(
+                Pair(body, each, kind, gap)
+                for each in grounds
+                for kind, bodies in enumerate(([load], lines, held_up), 10)
+                for body in bodies
+            ),
         ]
         self.pairs = pairs
         along, share, track, constant, elbow_of = zip(*self._points, strict=True)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,12 +11,13 @@ from scipy.interpolate import CubicSpline
 from jaxsusp._files import write_text
 from jaxsusp._types import Float
 from jaxsusp.scenario.models import Limits
+from jaxsusp.scenario.ownunits import UNCHANGED, Frame
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify import armmodel
 from jaxsusp.verify.armmodel import servo_positions
 from jaxsusp.verify.constraints import INSTANTS
 from jaxsusp.verify.engine import mujoco
-from jaxsusp.verify.model import DAMPING, STIFFNESS, build_spec
+from jaxsusp.verify.model import Cables, build_spec
 
 SETTLING = 3.0
 """s for which the first lengths are held before the plan begins, so that the load hangs still."""
@@ -45,12 +46,26 @@ class Simulation:
     planned_position: Float[np.ndarray, "times xyz"]
     planned_tensions: Float[np.ndarray, "times cables"]
     contacts: tuple[tuple[float, str], ...]  # first time (s) of every body the load touched
+    units: Frame = UNCHANGED  # how numbers in the task's own units become these
+
+    def stated(self, units: Frame) -> "Simulation":
+        """The same, of a system in own units, with numbers as its units make them."""
+        return replace(
+            self,
+            times=units.number(self.times, "s"),
+            position=units.place(self.position),
+            tensions=units.number(self.tensions, "N"),
+            planned_position=units.place(self.planned_position),
+            planned_tensions=units.number(self.planned_tensions, "N"),
+            contacts=tuple((units.number(time, "s"), name) for time, name in self.contacts),
+            units=units,
+        )
 
     @property
     def _inner(self) -> np.ndarray:
         """Instants that count for the errors."""
         end = float(self.times[-1])
-        edge = min(EDGE, end / 8)
+        edge = min(self.units.number(EDGE, "s"), end / 8)
         return (self.times >= edge) & (self.times <= end - edge)
 
     @property
@@ -75,18 +90,28 @@ class Simulation:
         """Greatest tension of any cable (N)."""
         return float(self.tensions.max())
 
-    def problems(self, limits: Limits) -> list[str]:
-        """What speaks against the plan, in sentences."""
+    def problems(self, limits: Limits, say: Frame = UNCHANGED) -> list[str]:
+        """What speaks against the plan, in sentences.
+
+        Args:
+            limits: those of the scenario.
+            say: how its numbers become SI units, for the words.
+        """
+        tracking = self.units.number(TRACKING, "m")
         ultimate = limits.safety_factor * limits.tension[1]
-        found = [f"simulated load touches {name} at {time:.2f} s" for time, name in self.contacts]
+        found = [
+            f"simulated load touches {name} at {say.number(time, 's'):.2f} s"
+            for time, name in self.contacts
+        ]
         checks = (
-            (self.tracking_error, TRACKING, "m", "simulated load is off the plan by"),
+            (self.tracking_error, tracking, "m", "simulated load is off the plan by"),
             (100 * self.tension_error, 100 * TENSION, "%", "simulated tensions differ by"),
             (self.swing, limits.posture_deg, "°", "simulated load tilts by"),
             (self.peak_tension, ultimate, "N", "simulated tension reaches"),
         )
         for value, most, unit, text in checks:
             if not value <= most:
+                value, most = say.number(np.array([value, most]), unit)
                 found.append(f"{text} {value:.4g} {unit}, allowed are {most:.4g} {unit}")
         return found
 
@@ -96,16 +121,19 @@ def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = 
 
     Args:
         rigging: the system along its path.
-        seen: called with MuJoCo's model and data and the time (s) at every record.
+        seen: called with MuJoCo's model and data, in the task's own units, and the time (s) at
+            every record.
 
     Returns:
-        A `Simulation`.
+        A `Simulation`. It runs in the task's own units, so that size and place do not matter.
     """
+    units, rigging = rigging.scenario.units, rigging.own
     model = build_spec(rigging).compile()
     data = mujoco.MjData(model)
     step, duration = model.opt.timestep, rigging.scenario.task.duration
     steps = round(duration / step)
-    times = np.arange(steps + 1) * step
+    times = np.minimum(np.arange(steps + 1) * step, duration)
+    times[-1] = duration
     controls = commands(rigging, times)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     data.ctrl[:] = controls[0]
@@ -118,10 +146,10 @@ def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = 
     for i in range(steps + 1):
         data.ctrl[:] = controls[i]
         mujoco.mj_step(model, data)  # its results are those of the instant before the step
-        if i % _EVERY == 0:
+        if i % _EVERY == 0 or i == steps:
             records.append((i, *centre, attitude[8], *-pull[:cables]))
             if seen:
-                seen(model, data, i * step)
+                seen(model, data, units.number(times[i], "s"))
         if data.ncon:
             _note_contacts(model, data, load, i * step, contacts)
     table = np.array(records)
@@ -134,11 +162,11 @@ def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = 
         rigging.law.at(when).position,
         rigging.loads(when).tensions,
         tuple((time, name) for name, time in contacts.items()),
-    )
+    ).stated(units)
 
 
 def export_model(rigging: Rigging, path: str | os.PathLike[str]) -> None:
-    """Write the MJCF of a plan; the controls are those of `commands`."""
+    """Write the MJCF of a plan, in SI units; the controls are those of `commands`."""
     spec = build_spec(rigging)
     spec.compile()
     write_text(path, spec.to_xml())
@@ -154,15 +182,15 @@ def commands(
     of what they drive; with a lead of damping/stiffness times the planned rate they damp the
     departure from the plan alone.
     """
-    nodes = np.linspace(0, rigging.scenario.task.duration, INSTANTS)
-    loads = rigging.loads(nodes)
-    winches = CubicSpline(nodes, loads.lengths - loads.tensions / STIFFNESS)
+    nodes, units = np.linspace(0, rigging.scenario.task.duration, INSTANTS), rigging.scenario.units
+    loads, cables = rigging.loads(nodes), Cables.of(rigging.scenario)
+    winches = CubicSpline(nodes, loads.lengths - loads.tensions / cables.stiffness)
     servos = CubicSpline(nodes, servo_positions(rigging, rigging.law.parameter(nodes)))
     found = [
-        course(times) + damping / stiffness * course(times, 1)
-        for course, damping, stiffness in (
-            (winches, DAMPING, STIFFNESS),
-            (servos, armmodel.DAMPING, armmodel.GAIN),
+        course(times) + lead * course(times, 1)
+        for course, lead in (
+            (winches, cables.damping / cables.stiffness),
+            (servos, units.number(armmodel.DAMPING / armmodel.GAIN, "s")),
         )
         if course.c.size
     ]

@@ -26,7 +26,7 @@ def test_an_example_can_be_planned_and_its_straight_line_cannot(name):
     scenario = js.load_scenario(name)
     problem = js.Problem.from_scenario(scenario, search="box")
     line = np.linspace(scenario.task.start, scenario.task.goal, 7)[1:-1]
-    both = jnp.asarray([line.ravel(), np.ravel(EXAMPLES[name])])
+    both = jnp.asarray(np.stack([problem.decision(each) for each in (line, EXAMPLES[name])]))
     terms = jax.jit(lambda suspension, x: suspension.terms(x.T))(problem.fitness, both)
     assert int(terms.collisions[0]) > 0
     assert (int(terms.collisions[1]), int(terms.violations[1])) == (0, 0)

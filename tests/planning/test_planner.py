@@ -1,12 +1,14 @@
 """The planner: from a task to a verified plan, and what it says where there is none."""
 
+import re
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import jaxsusp as js
 from jaxsusp.optim.refine import refine
-from jaxsusp.planning import feasibility, steps, strategies
+from jaxsusp.planning import feasibility, refusal, steps, strategies
 
 SMALL = {"runs": 2, "iterations": 60, "population": 20}
 
@@ -32,12 +34,12 @@ def test_a_plan_is_feasible_certified_and_says_how_it_was_found(plan, events):
     assert plan.clearance >= 0.05
     assert plan.settings["algorithm"] == "pso"
     assert plan.settings["seed"] == 1
-    assert plan.settings["tracked"]
+    assert plan.settings["simulated"]
     assert plan.position.shape == (40, 3)
     assert plan.joints.shape == (40, 3, 3)
     terms = js.Problem.from_scenario(plan.scenario).terms(jnp.asarray(plan.waypoints.reshape(-1)))
     assert plan.settings["fitness"] == pytest.approx(float(terms.total))
-    phases = {"mapping the free space", "searching", "checking"}
+    phases = {"mapping the free space", "searching", "checking", "simulating"}
     assert {event.phase for event in events} == phases
 
 
@@ -46,7 +48,8 @@ def test_taut_ways_alone_make_plans_without_any_search(plan, monkeypatch):
     taut = js.plan("scenario-1", "taut")
     assert taut.feasible
     assert taut.settings["algorithm"] == "taut"
-    assert taut.settings["attempts"] == 1
+    assert (taut.settings["way"], taut.settings["attempts"]) == ("taut", 1)
+    assert plan.settings["way"] == "searched"
     assert taut.settings["fitness"] >= plan.settings["fitness"], "a search has to be better"
     np.testing.assert_allclose(taut.path[1:-1], taut.waypoints, atol=1e-9)  # it is its own curve
     assert js.verify_plan(taut, simulation=False).ok
@@ -98,17 +101,61 @@ def test_without_success_the_best_attempt_comes_back_with_reasons(monkeypatch, p
     assert [waypoints for waypoints, _ in seen] == [5] * 7 + [7] * 8  # more waypoints at last
 
 
-def test_a_feasible_plan_that_does_not_track_is_only_second_best(monkeypatch, plan):
-    verdicts = iter([False, True])
+SWINGS = "simulated load is off the plan by 1 m, allowed are 0.01 m"
+
+
+def two_candidates(plan, *_):
+    return np.stack([plan.waypoints.reshape(-1), plan.waypoints.reshape(-1) + 1e-3])
+
+
+def test_a_plan_that_a_swinging_load_does_not_follow_gives_way_to_the_next(monkeypatch, plan):
+    verdicts = iter([(SWINGS,), ()])
     monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
-    monkeypatch.setattr(steps, "tracks", lambda found: next(verdicts))
-    monkeypatch.setattr(
-        strategies, "plan_load",
-        lambda *_: np.stack([plan.waypoints.reshape(-1), plan.waypoints.reshape(-1) + 1e-3]),
-    )  # fmt: skip
+    monkeypatch.setattr(steps, "simulated_problems", lambda found: next(verdicts))
+    monkeypatch.setattr(strategies, "plan_load", lambda *_: two_candidates(plan))
     found = js.plan("scenario-1", "pso", **SMALL)
-    assert found.settings["tracked"]
+    assert found.feasible
     np.testing.assert_allclose(found.waypoints, plan.waypoints + 1e-3)
+
+
+def test_where_none_is_followed_the_plan_is_infeasible_for_that_reason(monkeypatch, plan):
+    asked = []
+
+    def never(found):
+        asked.append(found.scenario.task.duration)
+        return (SWINGS,)
+
+    monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
+    monkeypatch.setattr(steps, "simulated_problems", never)
+    monkeypatch.setattr(refusal, "simulated_problems", never)
+    monkeypatch.setattr(strategies, "plan_load", lambda *_: two_candidates(plan))
+    found = js.plan("scenario-1", "pso", retries=0, **SMALL)
+    assert not found.feasible
+    assert found.reasons[-1] == SWINGS
+    assert found.certificate.proved
+    assert asked[-1] > 100, "more time was tried as well"
+
+
+def test_too_fast_a_task_is_told_with_the_duration_that_would_do(plan):
+    hurried = plan.scenario.task.model_copy(update={"duration": 4.0})
+    scenario = plan.scenario.model_copy(update={"task": hurried})
+    found = js.plan_through(scenario, plan.waypoints)
+    assert any("tilt of the load" in reason for reason in found.reasons)
+    told = refusal.unhurried(found)
+    enough = float(re.search(r"too short for this way: in ([\d.]+) s", told.reasons[0])[1])
+    slower = scenario.model_copy(
+        update={"task": hurried.model_copy(update={"duration": enough * 1.01})}
+    )
+    again = js.plan_through(slower, plan.waypoints)
+    assert js.verify_plan(again).ok
+    assert told.reasons[1:] == found.reasons
+
+
+def test_without_simulation_a_plan_says_that_it_was_not_played(monkeypatch, plan):
+    monkeypatch.setattr(steps, "simulated_problems", lambda *_: pytest.fail("played"))
+    found = js.plan("scenario-1", "pso", seed=1, simulate=False, **SMALL)
+    assert found.feasible
+    assert found.settings["simulated"] is False
 
 
 def test_a_task_that_no_tensions_can_hold_is_told_before_any_search(scenarios, monkeypatch):
@@ -120,8 +167,12 @@ def test_a_task_that_no_tensions_can_hold_is_told_before_any_search(scenarios, m
     assert "limits.tension[1] = 100 N" in message
     assert "nowhere in the workspace" in message
     for ends in ("given", "placed"):
-        with pytest.raises(js.ImpossibleTaskError, match=r"cannot lift it anywhere.*cable 1"):
+        with pytest.raises(js.ImpossibleTaskError) as told:
             js.plan(heavy(scenarios[0], 35.0), ends=ends)
+        assert str(told.value) == (
+            "scenario-1: no plan is possible: 3 cables of at most 100 N lift 300 N, and the load "
+            "weighs 343.35 N; lighten payload.mass or raise limits.tension[1]"
+        )
 
 
 def test_ends_that_are_too_low_are_told_with_cable_and_place(scenarios):
@@ -131,8 +182,25 @@ def test_ends_that_are_too_low_are_told_with_cable_and_place(scenarios):
     low = js.Scenario.model_validate(content)
     with pytest.raises(js.ImpossibleTaskError, match=r"task.goal \(0, -2, 3\) cable [23] would"):
         feasibility.require_possible(low)
+    assert js.why_not(low).kind == "tensions"
+    assert js.why_not(low).text.startswith("scenario-1: no plan is possible: at task.goal (0, -2,")
     feasibility.require_possible(low, ends="placed")
     feasibility.require_possible(scenarios[0])
+
+
+def test_cables_that_are_too_short_at_the_start_are_told_before_any_search(scenarios, monkeypatch):
+    monkeypatch.setattr(steps, "run_batch", lambda *_: pytest.fail("searched"))
+    limits = scenarios[0].limits.model_copy(update={"cable_length": (0.5, 4.0)})
+    short = scenarios[0].model_copy(update={"limits": limits})
+    with pytest.raises(js.ImpossibleTaskError) as told:
+        js.plan(short)
+    assert str(told.value) == (
+        "scenario-1: no plan is possible: at task.start (0, 2, 1) cable 2 would be 9.2856 m long, "
+        "more than limits.cable_length[1] = 4 m; move the task or the ends, widen "
+        'limits.cable_length, or let ends = "placed"'
+    )
+    assert js.why_not(short)[:2] == ("lengths", str(told.value))
+    feasibility.require_possible(short, ends="placed")
 
 
 def test_ends_are_led_past_what_fixed_ones_cannot_pass(monkeypatch):

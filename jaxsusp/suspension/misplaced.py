@@ -1,0 +1,167 @@
+"""Start and goal where the load must not be: what blocks them, and the nearest places for them."""
+
+import math
+from collections.abc import Callable
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from jaxsusp._types import Float
+from jaxsusp.freespace.bodies import domain_of
+from jaxsusp.freespace.polyhedra import HalfSpaces, nearest_point
+from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.scenario import admissible
+from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.scenario.world import attachments_of
+from jaxsusp.suspension.workspace import Workspace
+
+TRIED = 40
+"""Places, nearest first, that are looked at before there is said to be none."""
+
+FINENESS = 1e-3
+"""Own units of length to which places are rounded, down to a power of ten in m."""
+
+RAYS, STEPS = 400, 100
+"""Directions that are looked into for a free place, and places on each of them."""
+
+REACH = 9.0
+"""Own units of length to look where there is no region at all."""
+
+Places = Float[np.ndarray, "places xyz"]
+
+
+class Misplaced(NamedTuple):
+    """A place of the task where the load must not be."""
+
+    place: str  # "task.start" or "task.goal"
+    at: tuple[float, float, float]  # m
+    reasons: tuple[str, ...]  # a sentence each
+    nearest: tuple[float, float, float] | None  # m, rounded and admissible; None: none is known
+
+    @property
+    def name(self) -> str:
+        """Start or goal, in one word."""
+        return self.place.removeprefix("task.")
+
+    @property
+    def words(self) -> str:
+        """What blocks it, and where else it could be."""
+        return f"{'; '.join(self.reasons)}. {self.remedy}"
+
+    @property
+    def remedy(self) -> str:
+        """Where else it could be."""
+        if self.nearest is None:
+            return f"No admissible place was found near {self.place}."
+        away = math.dist(self.at, self.nearest)
+        shown = f"[{', '.join(f'{c:.12g}' for c in self.nearest)}]"
+        return f"The nearest admissible place found is {self.place} = {shown}, {away:.3g} m away."
+
+
+def misplaced(scenario: Scenario, space: Workspace | FreeSpace) -> tuple[Misplaced, ...]:
+    """Start and goal where the load must not be, with the nearest place of a map for each.
+
+    Args:
+        scenario: read with `task_checked=False`, or else nothing is wrong with its task.
+        space: its workspace, of which the centres of cells that are usable are candidates, or its
+            free space, of which all positions are.
+    """
+    near = _cells(space) if isinstance(space, Workspace) else _regions(scenario, space)
+    found = []
+    for place, at in (("task.start", scenario.task.start), ("task.goal", scenario.task.goal)):
+        reasons = [line for line in scenario.troubles if line.startswith(place)]
+        if not reasons and isinstance(space, FreeSpace) and f"{place} = " in space.reason:
+            reasons = [space.reason]
+        if reasons:
+            nearest = _admissible(scenario, place, near(np.array(at)))
+            found.append(Misplaced(place, at, tuple(reasons), nearest))
+    return tuple(found)
+
+
+def _decimals(scenario: Scenario) -> int:
+    """Of coordinates in m: as many as a task of this size needs."""
+    return max(0, math.ceil(-math.log10(FINENESS * scenario.units.length) - 1e-9))
+
+
+def _admissible(
+    scenario: Scenario, place: str, candidates: Places
+) -> tuple[float, float, float] | None:
+    """The first of some places at which the checks of a scenario find nothing."""
+    name, decimals = place.removeprefix("task."), _decimals(scenario)
+    for candidate in islice(candidates, TRIED):
+        x, y, z = (round(c, decimals) for c in candidate.tolist())
+        task = scenario.task.model_copy(update={name: (x, y, z)})
+        lines = admissible.misplaced(scenario.model_copy(update={"task": task}))
+        if not any(line.startswith(place) for line in lines):
+            return x, y, z
+    return None
+
+
+def _cells(space: Workspace) -> Callable[[np.ndarray], Places]:
+    """Centres of usable cells (m), those near to a place first."""
+    cells = np.argwhere(space.usable)
+    centres = np.stack([axis[n] for axis, n in zip(space.axes, cells.T, strict=True)], axis=-1)
+    return lambda at: _by_distance(centres, at)
+
+
+def _regions(scenario: Scenario, space: FreeSpace) -> Callable[[np.ndarray], Places]:
+    """Free places (m) that stay free when they are rounded, those near to a place first.
+
+    Of every region the nearest place, and what is free on rays into all directions: the regions
+    leave out small corners.
+    """
+    units, own = scenario.units, space.own
+    inwards = 10.0 ** -_decimals(scenario) / units.length
+    hanging = _hanging(scenario.own)
+    domain = domain_of(scenario.own) & hanging
+
+    def free(points: Places) -> np.ndarray:
+        found = domain.excess(points) <= -inwards
+        for body in own.bodies:
+            found[found] = body.excess(points[found]) >= inwards
+        return found
+
+    def near(at: np.ndarray) -> Places:
+        to = units.inside(at)
+        rooms = [region.polytope & hanging for region in own.regions]
+        found = [nearest_point(HalfSpaces(A, b - inwards), to).point for A, b in rooms]
+        found = [point for point in found if point is not None]
+        found += [region.ellipsoid.d for region in own.regions]
+        if own.bodies:
+            reach = min((math.dist(each, to) for each in found), default=REACH)
+            found += [*_on_rays(free, to, reach)]
+        return _by_distance(units.place(np.array(found).reshape(-1, 3)), at)
+
+    return near
+
+
+def _hanging(scenario: Scenario) -> HalfSpaces:
+    """Below the ends and between them, as the checks of a task have it."""
+    payload, ends = scenario.payload, np.array([robot.end for robot in scenario.robots])
+    hook = payload.attachments == "hook"
+    offset = np.zeros(2) if hook else np.array(payload.center_of_mass[:2])
+    sides = ConvexHull(ends[:, :2], qhull_options="QJ").equations  # also of ends in a line
+    height = (ends - attachments_of(scenario))[:, 2].min()
+    A = np.column_stack([sides[:, :2], np.zeros(len(sides))])
+    b = -sides[:, 2] - sides[:, :2] @ offset
+    return HalfSpaces(np.vstack([A, [0.0, 0.0, 1.0]]), np.append(b, height))
+
+
+def _on_rays(free: Callable[[Places], np.ndarray], to: np.ndarray, reach: float) -> Places:
+    """The first free place on each of many rays from a point, up to a distance."""
+    k = np.arange(RAYS) + 0.5
+    up, turn = 1 - 2 * k / RAYS, math.pi * (1 + math.sqrt(5)) * k  # evenly over the sphere
+    level = np.sqrt(1 - up**2)
+    rays = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
+    rays = np.concatenate([np.eye(3), -np.eye(3), rays])
+    steps = reach * np.arange(1, STEPS + 1) / STEPS
+    points = to + steps[:, None, None] * rays
+    clear = free(points.reshape(-1, 3)).reshape(STEPS, -1)
+    first, some = clear.argmax(axis=0), np.flatnonzero(clear.any(axis=0))
+    return points[first[some], some]
+
+
+def _by_distance(places: Places, at: np.ndarray) -> Places:
+    return places[np.argsort(np.linalg.norm(places - at, axis=1), kind="stable")]
