@@ -40,6 +40,8 @@ from .suspension.hanging import equilibrium as equilibrium
 from .suspension.hanging import Hanging as Hanging
 from .suspension.workspace import workspace as workspace
 from .suspension.workspace import Workspace as Workspace
+from .suspension.misplaced import misplaced as misplaced
+from .suspension.misplaced import Misplaced as Misplaced
 
 # fitness
 from .problem.fitness import FitnessTerms as FitnessTerms

@@ -5,7 +5,7 @@ Commands import what they need when they run: help and mistakes are answered at 
 
 import functools
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
@@ -14,6 +14,8 @@ from jaxsusp import __version__
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from jaxsusp.suspension.misplaced import Misplaced
 
 app = typer.Typer(
     name="jaxsusp",
@@ -66,6 +68,17 @@ def command(epilog: str) -> Callable[[Callable[..., None]], Callable[..., None]]
 def note(message: str) -> None:
     """Tell a person something that is not the result."""
     print(message, file=sys.stderr)
+
+
+def tell_misplaced(blocked: "Sequence[Misplaced]") -> None:
+    """Say where the load must not be, and where else it could: part of the result."""
+    from rich.console import Console
+
+    console = Console()
+    for each in blocked:
+        for reason in each.reasons:
+            console.print(reason, style="bold", markup=False, highlight=False)
+        console.print(each.remedy, markup=False, highlight=False)
 
 
 def fail(message: str) -> NoReturn:

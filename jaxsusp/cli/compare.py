@@ -13,7 +13,6 @@ from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
     Cache,
-    Iterations,
     Json,
     Output,
     Population,
@@ -58,7 +57,9 @@ def compare(
         str, typer.Option(help='Names separated by commas, see `jaxsusp algorithms`; or "all".')
     ] = ",".join(PUBLISHED),
     runs: Runs = 20,
-    iterations: Iterations = 500,
+    iterations: Annotated[
+        int, count("Iterations per run; of a population of 30, routed needs 63 at least.")
+    ] = 500,
     population: Population = 30,
     seed: Seed = 0,
     budget: Annotated[
@@ -93,6 +94,7 @@ def compare(
 
     from jaxsusp.cli.progress import ProgressBar
     from jaxsusp.comparison import compare as comparison
+    from jaxsusp.comparison.store import stored_scenarios
     from jaxsusp.optim import devices
     from jaxsusp.studies.random_scenario import random_scenarios
 
@@ -100,7 +102,11 @@ def compare(
     working()
     with ProgressBar(Console(stderr=True)) as bar:
         try:
-            drawn = random_scenarios(random or 0, lambda name, i: bar.drawing(name, i, random or 0))
+            drawn = random_scenarios(
+                random or 0,
+                lambda name, i: bar.drawing(name, i, random or 0),
+                stored_scenarios(output) if random and resume else None,
+            )
             ds = comparison.compare(
                 [*chosen, *drawn], named, runs, iterations, population, seed,
                 budget=budget, polish=polish, search=search, waypoints=waypoints,

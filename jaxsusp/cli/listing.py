@@ -3,8 +3,9 @@
 import json
 from typing import Annotated
 
-from jaxsusp.cli.application import command
+from jaxsusp.cli.application import command, note
 from jaxsusp.cli.options import Json, flag
+from jaxsusp.planning.choices import TAUT
 from jaxsusp.scenario.builtin import examples
 from jaxsusp.scenario.builtin import scenarios as built_in
 
@@ -42,6 +43,8 @@ def algorithms(as_json: Json = False) -> None:
     from jaxsusp.optim.registry import ALGORITHMS, describe
 
     print_rows([{"algorithm": name, "what": describe(name)} for name in ALGORITHMS], as_json)
+    if not as_json:
+        note(f'`jaxsusp plan` also takes "{TAUT}": taut ways through the free space, as they are.')
 
 
 def print_rows(rows: list[dict], as_json: bool) -> None:

@@ -26,6 +26,7 @@ from jaxsusp.cli.options import (
     require_choices,
 )
 from jaxsusp.errors import require_known
+from jaxsusp.optim.choices import ALGORITHMS
 from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 
 if TYPE_CHECKING:
@@ -63,45 +64,64 @@ def plan(
     search: Search = SEARCH,
     waypoints: Waypoints = 5,
     samples: Samples = 40,
+    simulate: Annotated[
+        bool,
+        typer.Option(help="Whether plans are played in simulation, and have to be followed there."),
+    ] = True,
     output: Output = RESULTS,
     cache: Cache = None,
     as_json: Json = False,
 ) -> None:
-    """Plan a task: trajectory, cables, arms, all limits, certified clear; exit 1 if infeasible."""
-    require_choices([scenario], [] if algorithm == TAUT else [algorithm], search)
+    """Plan a task: trajectory, cables, arms, all limits, certified clear.
+
+    Exit status 1 where the plan is infeasible, or the task is proved to be impossible.
+    """
+    require_known("algorithm", algorithm, [*ALGORITHMS, TAUT])
+    require_choices([scenario], search=search)
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)
 
     from rich.console import Console
 
+    from jaxsusp.comparison.bestknown import best_known
     from jaxsusp.optim import devices
     from jaxsusp.planning import planner
+    from jaxsusp.planning.feasibility import ImpossibleTaskError
     from jaxsusp.report.plan.folder import write_plan
     from jaxsusp.scenario.scenario import load_scenario
 
     devices.configure(cache=cache)
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
+    task, seen = load_scenario(scenario), set()
     with status as shown:
 
         def told(event: "Event") -> None:
             text = f"{event.phase}, attempt {event.attempt + 1} of at most {event.attempts}"
             if shown is not None:
                 shown.update(f"{text} …")
+            elif event not in seen:
+                seen.add(event)
+                note(f"{task.name}: {text}")
 
         try:
             found = planner.plan(
-                load_scenario(scenario), algorithm, ends, runs, iterations, retries, seed,
+                task, algorithm, ends, runs, iterations, retries, seed,
                 population=population, waypoints=waypoints, samples=samples, search=search,
-                coordination=coordination, progress=told,
+                coordination=coordination, simulate=simulate, progress=told,
             )  # fmt: skip
             files = write_plan(found, output)
+        except ImpossibleTaskError as error:
+            note(str(error))
+            raise typer.Exit(1) from None
         except KeyboardInterrupt:
             interrupted("no plan was finished; nothing was written.")
+    best = best_known(task, waypoints, samples) if ends == "given" else None
     if as_json:
-        print(json.dumps(as_record(found, files), indent=2, allow_nan=False))
+        record = {**as_record(found, files), "best_known": best}
+        print(json.dumps(record, indent=2, allow_nan=False))
     else:
-        _show(found)
+        _show(found, best)
     note(f"{files[0]}, samples, report and figures are in {output}")
     raise typer.Exit(0 if found.feasible else 1)
 
@@ -126,8 +146,8 @@ def as_record(plan: "Plan", files: list[Path]) -> dict[str, Any]:
     }
 
 
-def _show(plan: "Plan") -> None:
-    from jaxsusp.report.plan.tables import ends_table, limits_table, verdict
+def _show(plan: "Plan", best: float | None) -> None:
+    from jaxsusp.report.plan.tables import ends_table, how_good, limits_table, verdict
     from jaxsusp.report.render import to_rich
 
     stdout = wide_console()
@@ -136,3 +156,7 @@ def _show(plan: "Plan") -> None:
     stdout.print(
         verdict(plan.feasible, plan.reasons, plan.scenario.name), markup=False, highlight=False
     )
+    if plan.feasible:
+        stdout.print(how_good(plan, best), markup=False, highlight=False)
+    if plan.feasible and not plan.settings.get("simulated", False):
+        stdout.print("Not played: whether a swinging load follows, `jaxsusp verify` tells.")

@@ -1,6 +1,8 @@
 """The free space of a scenario in pictures and tables: the paper's Figs 5 and 6."""
 
+import math
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -14,30 +16,38 @@ from jaxsusp.freespace.bodies import bodies_of
 from jaxsusp.freespace.ellipsoid import Ellipsoid
 from jaxsusp.freespace.iris import Region
 from jaxsusp.freespace.polyhedra import HalfSpaces, corners_of
-from jaxsusp.freespace.space import FreeSpace
-from jaxsusp.report.drawing.painting import paint_curve, paint_solid
+from jaxsusp.freespace.space import FreeSpace, Route
+from jaxsusp.report.drawing.painting import (
+    misplaced_samples,
+    paint_curve,
+    paint_misplaced,
+    paint_solid,
+)
+from jaxsusp.report.drawing.scales import decimals, frame_plane
 from jaxsusp.report.drawing.scene import LOAD, STONE, cable_samples, stage
 from jaxsusp.report.drawing.solids import Solid, of_obstacle
-from jaxsusp.report.drawing.style import CYCLE, INK, heading, legend, panels, picture
+from jaxsusp.report.drawing.style import CYCLE, INK, heading, legend, panels, picture, remarks
 from jaxsusp.report.render import Column
 from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.suspension.misplaced import Misplaced
 
 ROUTE, SHADOW, FREE, WAY = "#C43C00", "#E3B7A0", "#0072B2", "#7A0177"
 
 Polygon = Float[np.ndarray, "corners 2"]
 
 
-def slices(scenario: Scenario, space: FreeSpace) -> Figure:
+def slices(scenario: Scenario, space: FreeSpace, blocked: Sequence[Misplaced] = ()) -> Figure:
     """Horizontal sections at three heights of the route: the paper's Fig. 5.
 
     Obstacles, what the load or a cable keeps it out of, the regions' polygons and ellipses, and
-    the route seen from above, strong where it is near the height of the section.
+    the route seen from above, strong where it is near the height of the section. What is
+    `blocked` is marked, with the nearest place for it.
     """
     figure = picture(13.0, 5.2)
     bodies = bodies_of(scenario)
     heights = _heights(scenario, space)
     all_axes = panels(figure, len(heights), sharey=True)
-    all_axes[0].set_ylabel("y (m)", fontsize=9)
+    unit, task = scenario.units.length, (scenario.task.start, scenario.task.goal)
     for axes, height in zip(all_axes, heights, strict=True):
         for body in bodies:
             _fill(axes, body.faces, height, scenario, facecolor=SHADOW, alpha=0.55, lw=0, zorder=1)
@@ -48,18 +58,21 @@ def slices(scenario: Scenario, space: FreeSpace) -> Figure:
         for number, region in enumerate(space.regions):
             on_route = number in space.route
             _section(axes, region, height, scenario, on_route)
-        _route_from_above(axes, space, height)
+        _route_from_above(axes, space, height, 0.25 * unit)
         for name, place in (("start", scenario.task.start), ("goal", scenario.task.goal)):
             axes.plot(*place[:2], "o", ms=5, mfc=LOAD, mec="white", zorder=8)
             axes.annotate(
                 name, place[:2], xytext=(6, 4), textcoords="offset points", fontsize=8, zorder=9
             )
-        axes.set_title(f"z = {height:.2f} m", loc="left", fontsize=10, fontweight="bold")
+        paint_misplaced(axes, blocked, lambda place: place[:2])
+        axes.set_title(
+            f"z = {height:.{decimals(unit)}f} m", loc="left", fontsize=10, fontweight="bold"
+        )
         axes.set_aspect("equal")
-        axes.set_xlim(scenario.workspace.lower[0], scenario.workspace.upper[0])
-        axes.set_ylim(scenario.workspace.lower[1], scenario.workspace.upper[1])
-        axes.set_xlabel("x (m)", fontsize=9)
+        frame_plane(axes, (0, 1), scenario.workspace, task, fontsize=9)
         axes.grid(False)
+    for axes in all_axes[1:]:
+        axes.set_ylabel("")
     heading(figure, f"{scenario.name}: {_caption(space)}")
     legend(
         figure,
@@ -68,27 +81,36 @@ def slices(scenario: Scenario, space: FreeSpace) -> Figure:
             Patch(fc=SHADOW, alpha=0.55, label="load or cable in contact"),
             Line2D([], [], color=FREE, lw=0.8, label="polytopes"),
             Line2D([], [], color=FREE, lw=0.8, ls=":", label="ellipsoids"),
-            Line2D([], [], color=FREE, lw=2.2, label="on the route"),
-            Line2D([], [], color=ROUTE, lw=2.2, label="shortest polyline"),
+            *[Line2D([], [], color=FREE, lw=2.2, label="on the route")] * space.connected,
+            *[Line2D([], [], color=ROUTE, lw=2.2, label="shortest polyline")] * space.connected,
+            *misplaced_samples(blocked),
         ],
     )
+    remarks(figure, [each.words for each in blocked])
     return figure
 
 
-def view(scenario: Scenario, space: FreeSpace) -> Figure:
-    """The regions of the route and the polyline in the scene: the paper's Fig. 6."""
+def view(scenario: Scenario, space: FreeSpace, blocked: Sequence[Misplaced] = ()) -> Figure:
+    """The regions of the route and the polyline in the scene: the paper's Fig. 6.
+
+    Where there is no route, all regions, and what is `blocked`.
+    """
+    shown = space.route.tolist() or list(range(len(space.d)))
+    number_of = {index: number for number, index in enumerate(shown)}
     curves = [space.polyline] if space.connected else []
     figure, stages = stage(scenario, curves)
     for axes, eye, solids in stages:
-        for number, index in enumerate(space.route):
+        look = {"alpha": 0.16} if space.connected else {"alpha": 0.06, "rim": 0.25}
+        for index, number in number_of.items():
             solid = _solid(space.regions[index])
-            color = CYCLE[number % len(CYCLE)]
-            paint_solid(axes, eye, solid, color, alpha=0.16, zorder=3.2 + 0.01 * number)
+            color = CYCLE[number % len(CYCLE)] if space.connected else FREE
+            paint_solid(axes, eye, solid, color, zorder=3.2 + 0.01 * number, **look)
         for route in space.routes:
             paint_curve(axes, eye, solids, route.polyline, zorder=4.9, color=WAY, linewidth=1.6)
         for curve in curves:
             paint_curve(axes, eye, solids, curve, zorder=5.0, color=ROUTE, linewidth=2.4)
             axes.plot(*eye.project(curve[1:-1]).T, "o", ms=4, color=ROUTE, zorder=6)
+        paint_misplaced(axes, blocked, eye.project)
     heading(figure, f"{scenario.name}: {_caption(space)}")
     regions = [
         Patch(fc=CYCLE[n % len(CYCLE)], alpha=0.35, label=f"region {index + 1}")
@@ -96,7 +118,10 @@ def view(scenario: Scenario, space: FreeSpace) -> Figure:
     ]
     line = [Line2D([], [], color=ROUTE, lw=2.4, label="along the route")] if curves else []
     line += [Line2D([], [], color=WAY, lw=1.6, label="distinct taut ways")] if space.routes else []
-    legend(figure, [*cable_samples(), *line, *regions])
+    if not space.connected:
+        regions = [Patch(fc=FREE, alpha=0.35, label="free space")] if shown else []
+    legend(figure, [*cable_samples(), *line, *regions, *misplaced_samples(blocked)])
+    remarks(figure, [each.words for each in blocked])
     return figure
 
 
@@ -124,26 +149,35 @@ def region_table(space: FreeSpace) -> pd.DataFrame:
     return frame
 
 
-def ways(space: FreeSpace) -> list[str]:
-    """One line per distinct way from start to goal: its length, and what it goes round."""
-    return [
+def ways(routes: Sequence[Route], asked: int = 0) -> list[str]:
+    """One line per distinct way from start to goal: its length, and what it goes round.
+
+    Args:
+        routes: the ways.
+        asked: how many were asked for; where there are fewer, one line more says so.
+    """
+    lines = [
         f"way {number}: {route.length:.3f} m, {_words(route.bends)}"
-        for number, route in enumerate(space.routes, start=1)
+        for number, route in enumerate(routes, start=1)
     ]
+    if len(routes) < asked:
+        known = "1 distinct way is" if len(routes) == 1 else f"{len(routes)} distinct ways are"
+        lines.append(f"Only {known} known; {asked} were asked for.")
+    return lines
 
 
 def _words(bends: tuple[str, ...]) -> str:
     """What a way goes round, by the names of the obstacles."""
     return (
         "; ".join(re.sub(r'obstacles\[\d+\] "([^"]*)"', r"\1", each) for each in bends)
-        or "round nothing"
+        or "straight"
     )
 
 
 def _caption(space: FreeSpace) -> str:
     parts = f"{len(space.d)} regions cover {100 * space.coverage:.1f} % of the free space"
     if not space.connected:
-        return f"{parts}; {space.reason}"
+        return f"{parts}; no route from start to goal"
     names = " → ".join(str(index + 1) for index in space.route)
     return f"{parts}; route through {names}, shortest polyline {space.length:.3f} m"
 
@@ -158,7 +192,7 @@ def _heights(scenario: Scenario, space: FreeSpace) -> list[float]:
     return [scenario.task.start[2], float(middle), scenario.task.goal[2]]
 
 
-def _route_from_above(axes: Axes, space: FreeSpace, height: float) -> None:
+def _route_from_above(axes: Axes, space: FreeSpace, height: float, near: float) -> None:
     if not space.connected:
         return
     t = np.linspace(0, len(space.polyline) - 1, 60 * (len(space.polyline) - 1) + 1)
@@ -166,8 +200,8 @@ def _route_from_above(axes: Axes, space: FreeSpace, height: float) -> None:
         [np.interp(t, np.arange(len(space.polyline)), c) for c in space.polyline.T], axis=1
     )
     axes.plot(fine[:, 0], fine[:, 1], color=ROUTE, lw=1.0, alpha=0.5, zorder=6)
-    near = np.abs(fine[:, 2] - height) < 0.25
-    level = np.where(near[:, None], fine, np.nan)
+    beside = np.abs(fine[:, 2] - height) < near
+    level = np.where(beside[:, None], fine, np.nan)
     axes.plot(level[:, 0], level[:, 1], color=ROUTE, lw=2.4, zorder=7)
 
 
@@ -229,12 +263,16 @@ def _ellipse(ellipsoid: Ellipsoid, height: float) -> Ellipse | None:
 
 def _solid(region: Region) -> Solid:
     """A region's polytope as a body that can be drawn."""
-    corners = corners_of(region.polytope, region.ellipsoid.d)
+    middle = region.ellipsoid.d
+    offsets = region.polytope.b - region.polytope.A @ middle  # about the middle: far away it is 0
+    corners = corners_of(HalfSpaces(region.polytope.A, offsets), np.zeros(3))
+    near, fine = 1e-6 * np.ptp(corners), 9 - math.floor(math.log10(np.ptp(corners)))
     faces = []
-    for normal, offset in zip(region.polytope.A, region.polytope.b, strict=True):
-        on_face = np.unique(corners[np.abs(corners @ normal - offset) < 1e-6].round(9), axis=0)
+    for normal, offset in zip(region.polytope.A, offsets, strict=True):
+        on_face = np.unique(corners[np.abs(corners @ normal - offset) < near].round(fine), axis=0)
         if len(on_face) >= 3:
             across = np.linalg.svd(normal[None])[2][1:]  # two directions in the face
             flat = (on_face - on_face.mean(axis=0)) @ across.T
-            faces.append(on_face[np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))])
+            turned = np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))
+            faces.append(middle + on_face[turned])
     return Solid.of_faces(faces)

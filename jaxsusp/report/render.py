@@ -180,9 +180,11 @@ def _shown(frame: pd.DataFrame) -> list[str]:
 
 
 def _heading(frame: pd.DataFrame, text: pd.DataFrame, row: Any, name: str) -> str:
-    """One line above a group of rows: "scenario-1", "6 obstacles"."""
-    number = _side(frame, name) == "right"
-    return f"{text.at[row, name]} {_column(frame, name).label}" if number else text.at[row, name]
+    """One line above a group of rows: "scenario-1", "6 obstacles", "1 obstacle"."""
+    if _side(frame, name) != "right":
+        return text.at[row, name]
+    label = _column(frame, name).label
+    return f"{text.at[row, name]} {label.removesuffix('s') if frame.at[row, name] == 1 else label}"
 
 
 def _side(frame: pd.DataFrame, name: str) -> Literal["left", "right"]:

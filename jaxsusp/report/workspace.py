@@ -1,5 +1,7 @@
 """The workspace picture: slices through the positions that a suspension can hold."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -7,10 +9,12 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from jaxsusp.report.drawing.painting import HALO
-from jaxsusp.report.drawing.style import FAINT, INK, QUIET, heading, picture, quiet
+from jaxsusp.report.drawing.painting import HALO, misplaced_samples, paint_misplaced
+from jaxsusp.report.drawing.scales import decimals, frame_plane
+from jaxsusp.report.drawing.style import FAINT, INK, QUIET, heading, legend, picture, quiet, remarks
 from jaxsusp.report.drawing.style import save as save
-from jaxsusp.report.render import Column, percent
+from jaxsusp.report.render import Column, percent, significant
+from jaxsusp.suspension.misplaced import Misplaced
 from jaxsusp.suspension.workspace import Workspace
 
 _BLOCKED = "#B9A7A0"
@@ -18,12 +22,12 @@ _MARGIN = LinearSegmentedColormap.from_list("margin", ["#DCEBF5", "#56A0CC", "#0
 _NAMES = "xyz"
 
 
-def slices(space: Workspace) -> Figure:
+def slices(space: Workspace, blocked: Sequence[Misplaced] = ()) -> Figure:
     """Three level and three upright slices; colour is the margin of the tensions to their limits.
 
     Level slices go through start, goal and the middle between their heights, upright ones likewise,
     looking along the shorter side of the way; where that is no way at all, through it and a fifth
-    of the workspace to either side.
+    of the workspace to either side. What is `blocked` is marked, with the nearest place for it.
     """
     figure = picture(13.0, 7.4)
     grid = figure.subplots(2, 3)
@@ -35,22 +39,27 @@ def slices(space: Workspace) -> Figure:
     places = _spread(task[0, across], middle[across], task[1, across], space.axes[across])
     cuts += [(across, place, (1 - across, 2)) for place in places]
     images = [_slice(axes, space, *cut) for axes, cut in zip(grid.flat, cuts, strict=True)]
+    for axes, (_, _, shown) in zip(grid.flat, cuts, strict=True):
+        paint_misplaced(axes, blocked, lambda place, shown=shown: place[list(shown)])
     bar = figure.colorbar(images[0], ax=grid, shrink=0.7, aspect=30, pad=0.015)
     bar.set_label("margin of the tensions to their limits", fontsize=10, color=INK)
     bar.outline.set_edgecolor(QUIET)
     bar.ax.tick_params(color=QUIET, labelcolor=INK, labelsize=9)
-    figure.legend(
-        handles=[
+    legend(
+        figure,
+        [
             Patch(color=_MARGIN(0.6), label="can be held"),
             Patch(color=_BLOCKED, label="could be held, but load or a cable meets an obstacle"),
             Patch(facecolor="white", edgecolor=QUIET, label="cannot be held"),
+            *misplaced_samples(blocked),
         ],
-        loc="outside lower center", ncols=3, frameon=False, fontsize=10, labelcolor=INK,
-    )  # fmt: skip
+    )
+    remarks(figure, [each.words for each in blocked])
     usable, box = space.volume(space.usable), space.cell * space.clear.size
     heading(
         figure,
-        f"{space.scenario.name}: {usable:.1f} m³ of {box:.1f} m³ ({usable / box:.0%}) can be held",
+        f"{space.scenario.name}: {significant(usable, 3)} m³ of {significant(box, 3)} m³ "
+        f"({usable / box:.0%}) can be held",
     )
     return figure
 
@@ -82,6 +91,7 @@ def volume_table(space: Workspace) -> pd.DataFrame:
 
 def _slice(axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]):
     """One slice: the layer of cells next to `at` along the axis `normal`."""
+    digits = decimals(space.scenario.units.length)
     layer = int(np.abs(space.axes[normal] - at).argmin())
     usable, admissible, margin = (
         np.take(array, layer, axis=normal).T
@@ -98,16 +108,13 @@ def _slice(axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[in
     image = axes.pcolormesh(across, up, held, cmap=_MARGIN, vmin=0, vmax=1, **look)
     _landmarks(axes, space, normal, float(space.axes[normal][layer]), shown)
     axes.set_aspect("equal")
-    box = space.scenario.workspace
-    axes.set_xlim(box.lower[shown[0]], box.upper[shown[0]])
-    axes.set_ylim(box.lower[shown[1]], box.upper[shown[1]])
+    task = space.scenario.task
+    frame_plane(axes, shown, space.scenario.workspace, (task.start, task.goal), fontsize=9)
     for spine in axes.spines.values():
         spine.set_visible(True)
         spine.set_color(FAINT)
-    axes.set_title(f"{_NAMES[normal]} = {space.axes[normal][layer]:.2f} m", loc="left", fontsize=10,
-                   fontweight="bold", color=INK)  # fmt: skip
-    axes.set_xlabel(f"{_NAMES[shown[0]]} (m)", fontsize=9, color=INK)
-    axes.set_ylabel(f"{_NAMES[shown[1]]} (m)", fontsize=9, color=INK)
+    axes.set_title(f"{_NAMES[normal]} = {space.axes[normal][layer]:.{digits}f} m", loc="left",
+                   fontsize=10, fontweight="bold", color=INK)  # fmt: skip
     return image
 
 
@@ -115,7 +122,7 @@ def _landmarks(
     axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]
 ) -> None:
     """Start and goal, full in the slice that holds them and hollow in the others."""
-    pitch = float(np.diff(space.axes[normal]).max(initial=0.1))
+    pitch = float(np.diff(space.axes[normal]).max(initial=0.1 * space.scenario.units.length))
     for name in ("start", "goal"):
         place = np.array(getattr(space.scenario.task, name))
         here = abs(place[normal] - at) <= pitch

@@ -1,6 +1,8 @@
 """Fresh planning tasks of the benchmark's kind: blocked, and proved to be solvable."""
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -8,18 +10,19 @@ import numpy as np
 from pydantic import ValidationError
 
 from jaxsusp._types import Array
-from jaxsusp.errors import InputError, require_count, require_seed
+from jaxsusp.errors import InputError, require_count, require_known, require_seed
 from jaxsusp.freespace.bodies import domain_of, obstacle_bodies
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
-from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.geometry.obstacles import KINDS
-from jaxsusp.problem.constraints import count_violations
+from jaxsusp.mechanics.drives import moving
+from jaxsusp.problem.fitness import position_terms
 from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
-from jaxsusp.scenario.scenario import Scenario, load_scenario
+from jaxsusp.scenario.ownunits import UNCHANGED
+from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world
-from jaxsusp.suspension.levelload import tensions_at
+from jaxsusp.studies.rigs import RIGS, benchmark_rig, drawn_kind, drawn_rig, elsewhere
 from jaxsusp.vec3 import Vec3
 
 MOST = 1000
@@ -31,6 +34,9 @@ FILLED = 0.4
 CLEAR = 0.05
 """m that start and goal stay away from what load or cables would touch."""
 
+MOVED = 0.35
+"""Share of the benchmark's distances that a load goes whose ends move along with it."""
+
 SAMPLES = 4000
 """Samples of the trajectories that are proved or refused."""
 
@@ -40,8 +46,11 @@ ATTEMPTS = 60
 _CLOUD = 4000  # positions at which the share that is taken is measured
 
 
-def random_scenario(seed: int, obstacles: int = 10) -> Scenario:
+def random_scenario(seed: int, obstacles: int = 10, rig: str = RIGS[0]) -> Scenario:
     """Draw a scene with the benchmark's robots, load and limits, and its kinds of obstacles.
+
+    With `rig="any"` the robots are drawn as well: three to six unequal ones, the drive mode, the
+    attachments, the size (1:20 to 20:1), the mass, and the place (to 5000 km away).
 
     The straight line from start to goal is blocked. That the task can be solved is proved: a route
     through convex regions of the free space exists, and a trajectory along it has no collision
@@ -50,17 +59,21 @@ def random_scenario(seed: int, obstacles: int = 10) -> Scenario:
     Args:
         seed: the same seed and number give the same scene.
         obstacles: how many, 1 to 1000; the more, the smaller.
+        rig: "benchmark" or "any".
 
     Raises:
-        InputError: bad numbers, or no such scene within 60 attempts.
+        InputError: bad numbers, an unknown rig, or no such scene within 60 attempts.
     """
     require_seed(seed)
     require_count("obstacles", obstacles, most=MOST)
+    require_known("rig", rig, RIGS)
+    kind = drawn_kind(np.random.default_rng([seed, obstacles])) if rig == "any" else None
     for attempt in range(ATTEMPTS):
         random = np.random.default_rng([seed, obstacles, attempt])
-        scenario = _draw(random, _name(seed, obstacles), obstacles)
+        empty, frame = drawn_rig(random, kind) if kind else (benchmark_rig(), UNCHANGED)
+        scenario = _draw(random, _name(seed, obstacles, rig), obstacles, empty)
         if scenario is not None and blocked(scenario) and solvable(scenario):
-            return scenario
+            return elsewhere(scenario, frame)
     raise InputError(
         f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene in {ATTEMPTS} "
         "attempts; choose another seed"
@@ -68,7 +81,9 @@ def random_scenario(seed: int, obstacles: int = 10) -> Scenario:
 
 
 def random_scenarios(
-    count: int, told: Callable[[str, int], None] = lambda name, number: None
+    count: int,
+    told: Callable[[str, int], None] = lambda name, number: None,
+    known: Mapping[str, Scenario] | None = None,
 ) -> tuple[Scenario, ...]:
     """Random scenes of rising difficulty: scene i is `random_scenario(i, 5 + i // 2)`.
 
@@ -78,6 +93,7 @@ def random_scenarios(
     Args:
         count: how many, 0 to 1992.
         told: called with the name and the number i of a scene before it is drawn.
+        known: scenes by name that were drawn before, and are taken as they are.
 
     Raises:
         InputError: a bad count, or a scene that cannot be drawn (see `random_scenario`).
@@ -86,13 +102,17 @@ def random_scenarios(
     scenes = []
     for i in range(count):
         obstacles = 5 + i // 2
-        told(_name(i, obstacles), i)
-        scenes.append(random_scenario(i, obstacles))
+        name = _name(i, obstacles)
+        if known is None or name not in known:
+            told(name, i)
+            scenes.append(random_scenario(i, obstacles))
+        else:
+            scenes.append(known[name])
     return tuple(scenes)
 
 
-def _name(seed: int, obstacles: int) -> str:
-    return f"random-{seed}-{obstacles}"
+def _name(seed: int, obstacles: int, rig: str = RIGS[0]) -> str:
+    return f"{'random' if rig == RIGS[0] else rig}-{seed}-{obstacles}"
 
 
 def blocked(scenario: Scenario) -> bool:
@@ -125,17 +145,14 @@ def _faults(scenario: Scenario, polyline: Points) -> tuple[int, int]:
     with jax.enable_x64(True):
         world = build_world(scenario, [padded] * len(KINDS))
         position = Vec3(*(jnp.asarray(c) for c in _sampled(polyline).T))
-        collisions, violations = _count_faults(world, position)
+        collisions, violations = _count_faults(world, position, scenario.drive)
         return int(collisions), int(violations)
 
 
-@jax.jit
-def _count_faults(world: World, position: Vec3) -> tuple[Array, Array]:
-    lengths, tensions = tensions_at(world, position)
-    return (
-        count_collisions(position, world.bodies, world.obstacles),
-        count_violations(world, position, lengths, tensions, with_stability=False),
-    )
+@functools.partial(jax.jit, static_argnums=2)
+def _count_faults(world: World, position: Vec3, drive: str) -> tuple[Array, Array]:
+    terms = position_terms(world, position, drive=drive)
+    return terms.collisions, terms.violations
 
 
 def _sampled(polyline: Points) -> Points:
@@ -144,10 +161,12 @@ def _sampled(polyline: Points) -> Points:
     return np.stack([np.interp(knots, np.arange(len(polyline)), c) for c in polyline.T], axis=1)
 
 
-def _draw(random: np.random.Generator, name: str, count: int) -> Scenario | None:
+def _draw(
+    random: np.random.Generator, name: str, count: int, empty: dict[str, Any]
+) -> Scenario | None:
     """A scene whose obstacles leave start and goal clear; None where that did not work out."""
-    empty = load_scenario("scenario-1").model_dump() | {"name": name, "obstacles": []}
-    start, goal = _ends_of_task(random)
+    empty = empty | {"name": name, "obstacles": []}
+    start, goal = _ends_of_task(random, MOVED if moving(empty["drive"]) else 1.0)
     empty["task"] |= {"start": start.tolist(), "goal": goal.tolist()}
     try:
         frame = Scenario.model_validate(empty)
@@ -163,14 +182,15 @@ def _draw(random: np.random.Generator, name: str, count: int) -> Scenario | None
         return None
 
 
-def _ends_of_task(random: np.random.Generator) -> tuple[Point, Point]:
-    """Start and goal on different sides of the workspace, well below the ends."""
+def _ends_of_task(random: np.random.Generator, wide: float) -> tuple[Point, Point]:
+    """Start and goal on different sides of the workspace, or of a part of it, below the ends."""
     angle = random.uniform(0, 2 * np.pi)
     radius = random.uniform(1.5, 2.6, 2)
     height = random.uniform(0.8, 3.5, 2)
+    height[1] = height[0] + wide * (height[1] - height[0])
     turn = random.uniform(0.7, 1.3) * np.pi
     return tuple(
-        np.round([r * np.cos(a), r * np.sin(a), z], 2)
+        np.round([wide * r * np.cos(a), wide * r * np.sin(a), z], 2)
         for r, a, z in zip(radius, (angle, angle + turn), height, strict=True)
     )  # type: ignore[return-value]
 
@@ -180,6 +200,7 @@ def _place_obstacles(
 ) -> list[Obstacle] | None:
     """Obstacles one by one: too big a one is drawn again, smaller, and so are those after it."""
     domain = domain_of(frame)
+    frame = frame.model_copy(update={"drive": "cable"})  # moving cables begin clear as well
     cloud = random.uniform(frame.workspace.lower, frame.workspace.upper, (_CLOUD, 3))
     cloud = cloud[domain.excess(cloud) < 0]
     ends = np.array([frame.task.start, frame.task.goal])

@@ -17,6 +17,7 @@ import jaxsusp as js
 from jaxsusp.cli.progress import Pace
 from jaxsusp.comparison import compare as comparison
 from jaxsusp.comparison import dataset as results
+from jaxsusp.comparison import workunit
 from jaxsusp.comparison.compare import Event
 from jaxsusp.comparison.store import FILE, PARTS
 from jaxsusp.report.comparison import folder
@@ -175,6 +176,52 @@ def test_random_scenes_are_compared_alone_or_beside_others(
     assert err.splitlines()[:2] == ["drawing random-0-5", "drawing random-1-5"]
 
 
+def test_random_scenes_of_a_comparison_that_goes_on_are_not_drawn_again(
+    run, saved, tmp_path, monkeypatch, scenarios
+):
+    def draw(seed, obstacles):
+        return scenarios[0].model_copy(update={"name": f"random-{seed}-{obstacles}"})
+
+    def compared(chosen, *_, **__):
+        seen.append(chosen)
+        raise KeyboardInterrupt
+
+    seen: list = []
+    monkeypatch.setattr("jaxsusp.studies.random_scenario.random_scenario", draw)
+    monkeypatch.setattr(comparison, "compare", compared)
+    files = {"random-0-5": scenarios[2].model_copy(update={"name": "random-0-5"}).to_toml()}
+    kept = js.load_results(saved).assign_attrs(scenario_files=json.dumps(files))
+    js.save_results(kept, tmp_path / FILE)
+    told = run("compare", "--random", "2", "--output", tmp_path, "--resume")[2]
+    assert told.splitlines()[0] == "drawing random-1-5"
+    assert [len(each.obstacles) for each in seen[0]] == [
+        len(scenarios[2].obstacles), len(scenarios[0].obstacles),
+    ]  # fmt: skip
+    assert seen[0][0].digest == js.Scenario.from_toml(files["random-0-5"]).digest
+    told = run("compare", "--random", "2", "--output", tmp_path)[2]
+    assert told.splitlines()[0] == "drawing random-0-5"
+
+
+@pytest.mark.usefixtures("quick_pictures")
+def test_polishing_is_asked_for_on_the_command_line(run, tmp_path, monkeypatch):
+    polished = []
+
+    def polish_batch(problems, outcome):
+        polished.append(outcome.x.shape)
+        return outcome
+
+    monkeypatch.setattr(workunit, "polish_batch", polish_batch)
+    tiny = ["--runs", "1", "--iterations", "2", "--population", "4", "--search", "box"]
+    options = ["--scenarios", "scenario-1", "--algorithms", "pso", *tiny, "--output", tmp_path]
+    code, _, _ = run("compare", *options, "--polish")
+    assert code == 0
+    assert polished == [(1, 1, 15)]
+    assert (js.load_results(tmp_path / FILE)["evaluations_polish"] > 0).all()
+    code, _, err = run("compare", *options, "--resume")
+    assert code == 2
+    assert "polish (True and False)" in err
+
+
 @pytest.mark.usefixtures("quick_pictures")
 def test_the_papers_ratios_are_shown_only_beside_ours(run, saved, uninterrupted, tmp_path):
     _, out, _ = run("report", saved, "--output", tmp_path / "one")
@@ -209,7 +256,8 @@ def test_help_shows_flags_as_flags(run):
 def test_lists_are_tables_or_json(run):
     for command, name in (("scenarios", "scenario"), ("algorithms", "algorithm")):
         code, out, err = run(command)
-        assert (code, err) == (0, "")
+        assert code == 0
+        assert ('`jaxsusp plan` also takes "taut"' in err) == (command == "algorithms")
         rows = json.loads(run(command, "--json")[1])
         assert all(row[name] in out for row in rows)
     assert [row["algorithm"] for row in rows] == list(js.ALGORITHMS)

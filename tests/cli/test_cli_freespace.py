@@ -62,6 +62,22 @@ def test_json(run, tmp_path):
 
 
 @pytest.mark.usefixtures("quick_pictures")
+def test_as_many_ways_are_shown_as_asked_for_or_the_lack_is_told(run, tmp_path):
+    command = ["freespace", "scenario-1", "--coverage", "0.4", "--output", tmp_path]
+    usual = run(*command)[1]
+    count = usual.count("\nway ")
+    assert "were asked for" not in usual
+    said = run(*command, "--routes", "1")[1]
+    assert "way 1: " in said
+    assert "way 2: " not in said
+    said = run(*command, "--routes", "50")[1]
+    known = said.count("\nway ")
+    assert known >= count > 0
+    ways = "way is" if known == 1 else "ways are"
+    assert f"Only {known} distinct {ways} known; 50 were asked for." in said
+
+
+@pytest.mark.usefixtures("quick_pictures")
 def test_no_route_is_status_one(run, walled, tmp_path):
     status, out, _ = run("freespace", walled, "--limit", "8", "--output", tmp_path / "out")
     assert status == 1
@@ -79,7 +95,7 @@ def test_no_route_is_status_one(run, walled, tmp_path):
 
 def test_a_plan_is_refused_with_the_same_words(run, walled, tmp_path):
     status, out, err = run("plan", walled, "--output", tmp_path / "out")
-    assert (status, out) == (2, "")
+    assert (status, out) == (1, "")
     assert "walled: no plan is possible: every way from task.start (0, 2, 1)" in err
     assert "without obstacles[0] there is a way" in err
     assert not (tmp_path / "out").exists()

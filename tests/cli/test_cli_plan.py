@@ -7,20 +7,35 @@ import pytest
 from plans import LOW
 
 import jaxsusp as js
+from jaxsusp.planning.planner import Event
+from jaxsusp.planning.ranking import with_settings
 from jaxsusp.report.plan import film as pictures
 from jaxsusp.report.plan import folder as planfolder
+from jaxsusp.report.plan.tables import how_good
+
+FOUND = {
+    "seed": 0, "algorithm": "routed", "attempts": 2, "fitness": 90.0, "way": "searched",
+    "simulated": True,
+}  # fmt: skip
+"""What the planner says of a plan."""
 
 
 @pytest.fixture(scope="module")
 def plan(scenarios) -> js.Plan:
-    return js.plan_through(scenarios[0], LOW, settings={"seed": 0})
+    return js.plan_through(scenarios[0], LOW, settings=FOUND)
 
 
 @pytest.fixture
 def planned(monkeypatch, plan):
     """The planner answers at once."""
     answer = {"plan": plan}
-    monkeypatch.setattr("jaxsusp.planning.planner.plan", lambda *_, **__: answer["plan"])
+
+    def found(*_, progress, **__):
+        for phase in ("searching", "checking", "checking", "simulating"):
+            progress(Event(phase, 0, 4))
+        return answer["plan"]
+
+    monkeypatch.setattr("jaxsusp.planning.planner.plan", found)
     return answer
 
 
@@ -42,9 +57,39 @@ def test_plan_prints_the_report_and_writes_everything(run, tmp_path, plan):
         "scenario-1.plan.json", "scenario-1.plan.csv", "scenario-1.plan.md",
         "scenario-1.kinematics.png", "scenario-1.scene.png", "scenario-1.cables.png",
     }  # fmt: skip
+    assert told.splitlines()[:-1] == [
+        f"scenario-1: {phase}, attempt 1 of at most 4"
+        for phase in ("searching", "checking", "simulating")
+    ]
     assert "scenario-1.plan.json" in told
     loaded = js.load_plan(tmp_path / "out" / "scenario-1.plan.json")
     np.testing.assert_array_equal(loaded.tensions, plan.tensions)
+
+
+def test_a_plan_is_told_with_its_fitness_and_how_it_was_found(plan):
+    length = plan.law.path.length
+    assert how_good(plan, 80.0) == (
+        f"Fitness 90.00 (12.5 % above the best known), path {length:.2f} m, found by routed in 2 "
+        "attempts."
+    )
+    taut = with_settings(plan, way="taut", attempts=1)
+    assert how_good(taut, None) == (
+        f"Fitness 90.00, path {length:.2f} m, the rounded taut way, than which routed found "
+        "nothing better in 1 attempt."
+    )
+    assert "m, the rounded taut way in 1 attempt." in how_good(
+        with_settings(taut, algorithm="taut"), None
+    )
+
+
+@pytest.mark.parametrize("given", ["tout", "foo"])
+def test_the_taut_ways_are_among_the_algorithms_of_a_plan(run, given):
+    _, _, told = run("plan", "scenario-1", "--algorithm", given)
+    assert told.startswith(f"algorithm = '{given}' is not known; ")
+    assert "sdbo-task, taut" in told
+    with pytest.raises(js.InputError) as refused:
+        js.plan("scenario-1", given)
+    assert told == f"{refused.value}\n"
 
 
 def test_an_infeasible_plan_ends_with_status_one_and_its_reasons(

@@ -54,6 +54,8 @@ def comparison() -> xr.Dataset:
             "evaluations_initial": (by_pair, np.zeros((2, 4), int)),
             "evaluations_polish": (by_pair, np.zeros((2, 4), int)),
             "best_known": ("scenario", [np.nan, np.nan]),
+            "unit_length": ("scenario", [1.0, 1.0]),
+            "unit_mass": ("scenario", [1.0, 1.0]),
             "curvature_radius": (by_pair, np.tile([1.0, 2.0, 8.0, 4.0], (2, 1))),
             "obstacles": ("scenario", [6, 10]),
             "iterations": ("algorithm", [5, 5, 5, 3]),

@@ -1,5 +1,7 @@
 """Sections of regions against closed forms, and figures that hold what they should."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.patches import Ellipse
@@ -63,3 +65,21 @@ def test_figures_and_table(small):
         *range(1, len(space.route) + 1)
     ]
     np.testing.assert_allclose(frame[["polytope", "ellipsoid"]], space.volumes)
+
+
+def test_a_long_title_stays_within_its_figure(small):
+    """As that of a space which does not connect start and goal, of a scenario with a long name."""
+    scenario, space = small
+    scenario = scenario.model_copy(update={"name": "a crane that has a long name " * 5})
+    reason = f"no collision-free route found: {'start and goal stay in separate parts ' * 5}"
+    apart = replace(space, route=space.route[:0], reason=reason)
+    figure = freespace.view(scenario, apart)
+    extent = figure._suptitle.get_window_extent(figure.canvas.get_renderer())
+    assert extent.x1 < figure.bbox.x1
+
+
+@pytest.mark.fast
+def test_a_free_space_is_one_line_for_people(small):
+    _, space = small
+    assert repr(space).startswith(f"<FreeSpace: {len(space.d)} regions cover ")
+    assert repr(space).endswith(f" %, route of {space.length:.4g} m>")

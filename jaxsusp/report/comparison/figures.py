@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
+from jaxsusp.report.comparison.gaps import runs_made
 from jaxsusp.report.drawing.style import (
     INK,
     QUIET,
@@ -52,7 +53,7 @@ def convergence(ds: xr.Dataset) -> Figure:
         panel.tick_params(labelbottom=True)
         panel.set_xlabel("fitness evaluations per run", fontsize=10, color=INK)
     figure.supylabel("best fitness so far", fontsize=10, color=INK)
-    heading(figure, f"Convergence: median and quartiles of {ds.sizes['run']} runs")
+    heading(figure, f"Convergence: median and quartiles of {runs_made(ds)}")
     legend(figure, [line_sample(style) for style in look.values()])
     return figure
 
@@ -79,7 +80,7 @@ def fitness_boxes(ds: xr.Dataset) -> Figure:
         panel.grid(False, axis="x")
         log_axis(panel.yaxis)
     figure.supylabel("final fitness", fontsize=10, color=INK)
-    heading(figure, f"Final fitness of {ds.sizes['run']} runs: quartiles and median")
+    heading(figure, f"Final fitness of {runs_made(ds)}: quartiles and median")
     faces = {"violation-free run": INK, "run with violations": "white"}
     legend(
         figure,
@@ -165,4 +166,4 @@ def _names(ds: xr.Dataset) -> tuple[list[str], list[str]]:
 def _title(axes: Axes, ds: xr.Dataset, scenario: str) -> None:
     count = ds["obstacles"].sel(scenario=scenario).item()
     axes.set_title(scenario, loc="left", fontsize=10, fontweight="bold", color=INK)
-    axes.set_title(f"{count} obstacles", loc="right", fontsize=9, color=QUIET)
+    axes.set_title(f"{count} obstacle{'s' * (count != 1)}", loc="right", fontsize=9, color=QUIET)

@@ -163,6 +163,14 @@ def gap_summary(ds: xr.Dataset) -> pd.DataFrame:
 GAP = "Gap: fitness over the best known, minus 1, in %; best known is not proved to be best."
 
 
+def runs_made(ds: xr.Dataset) -> str:
+    """How many runs the algorithms have on the scenarios: "5 runs", "3 to 5 runs"."""
+    made = ds["fitness"].notnull().sum("run").values
+    least, most = int(made[made > 0].min(initial=ds.sizes["run"])), int(made.max(initial=0))
+    count = f"{most}" if least == most else f"{least} to {most}"
+    return f"{count} run{'s' * (most != 1)}"
+
+
 def clear_runs(ds: xr.Dataset) -> xr.DataArray:
     """Which runs end without any collision or violation (scenario, algorithm, run)."""
     return ds["fitness"].notnull() & (ds["collisions"] == 0) & (ds["violations"] == 0)

@@ -78,9 +78,27 @@ def comparison_table(ds: xr.Dataset) -> pd.DataFrame:
         "the best run; evals: fitness evaluations per run; clear: runs without any collision or "
         "violation. One batch holds all runs of all scenarios, so a run time is one run's share of "
         f"its batch. Compilation, once per batch and not included: {compiled}. "
-        f"{(gaps.GAP + ' Mean over the runs. ') * known}{_search(ds)}"
+        f"{(gaps.GAP + ' Mean over the runs. ') * known}{_own_units(ds)}{_search(ds)}"
     ).strip()
     return frame
+
+
+def _own_units(ds: xr.Dataset) -> str:
+    """In what units the fitness of each scenario is formed, where they are not m and kg."""
+    rows = zip(
+        *(ds[name].values.tolist() for name in ("scenario", "unit_length", "unit_mass")),
+        strict=True,
+    )
+    told = [
+        f"{name} {length:.4g} m and {mass:.4g} kg" for name, length, mass in rows
+        if (length, mass) != (1.0, 1.0)
+    ]  # fmt: skip
+    if not told:
+        return ""
+    return (
+        "Lengths are in m; the fitness is formed of terms in a task's own units, here of "
+        f"{', '.join(told)}. "
+    )
 
 
 def ratio_table(ds: xr.Dataset) -> pd.DataFrame:

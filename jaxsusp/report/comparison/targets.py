@@ -5,7 +5,7 @@ import xarray as xr
 from jaxtyping import Float
 from matplotlib.figure import Figure
 
-from jaxsusp.report.comparison.gaps import evaluations_to
+from jaxsusp.report.comparison.gaps import evaluations_to, runs_made
 from jaxsusp.report.drawing.style import (
     INK,
     heading,
@@ -74,7 +74,7 @@ def running_times(ds: xr.Dataset) -> Figure | None:
     heading(
         figure,
         f"Targets from 100 % to 0.1 % above the best known fitness: {scenarios} "
-        f"scenario{'s' * (scenarios > 1)}, {ds.sizes['run']} runs",
+        f"scenario{'s' * (scenarios > 1)}, {runs_made(ds)}",
     )
     legend(figure, [line_sample(style) for style in look.values()])
     return figure

@@ -1,12 +1,14 @@
 """Bodies and curves on plain axes through a parallel camera, the hidden parts pale."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from scipy.spatial import ConvexHull
 
@@ -15,12 +17,16 @@ from jaxsusp.report.drawing.style import INK
 
 Curve = Float[np.ndarray, "points xyz"]
 
+ALARM, REFUGE = "#B00020", "#00703C"
+"""Where the load must not be, and where else it could be."""
+
 HALO = [withStroke(linewidth=2.2, foreground="white")]
 
 
 def paint_solid(
-    axes: Axes, camera: Camera, solid: Solid, color: str, alpha: float = 1.0, zorder: float = 2.0
-) -> None:
+    axes: Axes, camera: Camera, solid: Solid, color: str, alpha: float = 1.0, zorder: float = 2.0,
+    rim: float = 0.7,
+) -> None:  # fmt: skip
     """A shaded body: light from above, behind the viewer's left shoulder."""
     right, up = camera.frame
     light = camera.towards - 0.45 * right + 0.75 * up
@@ -40,8 +46,8 @@ def paint_solid(
     faces.set_agg_filter(_fade(alpha))  # the body as a whole, where alpha would show overlaps
     outline = camera.project(solid.corners)
     outline = outline[ConvexHull(outline).vertices]
-    rim = tuple(0.6 * np.array(to_rgb(color)))
-    axes.fill(*outline.T, facecolor="none", edgecolor=rim, linewidth=0.7, zorder=zorder + 1e-4)
+    edge = tuple(0.6 * np.array(to_rgb(color)))
+    axes.fill(*outline.T, facecolor="none", edgecolor=edge, linewidth=rim, zorder=zorder + 1e-4)
 
 
 def paint_curve(
@@ -67,6 +73,40 @@ def paint_label(
     x, y = camera.project(np.asarray(point, np.float64))
     look = {"fontsize": 8, "color": INK, "ha": "center", "va": "center", "zorder": 9, **options}
     axes.text(x, y, text, path_effects=HALO, clip_on=True, **look)
+
+
+def paint_misplaced(axes: Axes, blocked: Iterable[Any], project: Callable) -> None:
+    """Crosses where the load must not be, and arrows to the nearest places where it may.
+
+    Args:
+        axes: of the picture.
+        blocked: `suspension.misplaced.Misplaced`.
+        project: from a place in the world to one in the picture.
+    """
+    for each in blocked:
+        at = project(np.array(each.at))
+        axes.plot(*at, "X", zorder=9.6, **_CROSS)
+        if each.nearest is not None:
+            to = project(np.array(each.nearest))
+            arrow = {"arrowstyle": "->", "color": REFUGE, "lw": 1.4, "shrinkA": 0, "shrinkB": 0}
+            axes.annotate("", to, at, arrowprops=arrow, zorder=9.4)
+            axes.plot(*to, "o", zorder=9.5, **_RING)
+
+
+def misplaced_samples(blocked: Iterable[Any]) -> list[Line2D]:
+    """Legend entries of what `paint_misplaced` draws."""
+    blocked = list(blocked)
+    if not blocked:
+        return []
+    names = ", ".join(each.name for each in blocked)
+    entries = [Line2D([], [], ls="", marker="X", label=f"{names}: no place for the load", **_CROSS)]
+    if any(each.nearest is not None for each in blocked):
+        entries.append(Line2D([], [], ls="", marker="o", label="nearest place for it", **_RING))
+    return entries
+
+
+_CROSS = {"ms": 9, "mfc": ALARM, "mec": "white", "mew": 0.8}
+_RING = {"ms": 11, "mfc": "none", "mec": REFUGE, "mew": 1.8}  # seen around a cross as well
 
 
 def freest(

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 
 from jaxsusp.mechanics import arm
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.report.comparison.gaps import runs_made
 from jaxsusp.report.drawing.painting import (
     Curve,
     hidden,
@@ -23,6 +24,7 @@ from jaxsusp.report.drawing.painting import (
     refine,
 )
 from jaxsusp.report.drawing.room import paint_room
+from jaxsusp.report.drawing.scales import frame_plane
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
 from jaxsusp.report.drawing.style import (
     INK,
@@ -36,6 +38,7 @@ from jaxsusp.report.drawing.style import (
 )
 from jaxsusp.report.drawing.style import save as save
 from jaxsusp.report.render import significant
+from jaxsusp.scenario.ownunits import frame_of
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.rigging import ends_beside
 
@@ -43,7 +46,7 @@ STONE = "#C9CDD3"
 LOAD = "#5A5F69"
 
 BESIDE = 0.4
-"""m in the picture, within which what stands in front of a curve disturbs it."""
+"""Own units of length in the picture, within which what stands before a curve disturbs it."""
 
 _CABLES = {"start": "-", "goal": (0, (5, 3))}
 """Dashes of the cables at either end of the task."""
@@ -74,7 +77,7 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
             )  # fmt: skip
     if arms:
         _arms(*stages[0][:2], scenario)
-    best = "" if ds is None else f": best of {ds.sizes['run']} runs per algorithm, and its fitness"
+    best = "" if ds is None else f": best of {runs_made(ds)} per algorithm, and its fitness"
     heading(figure, scenario.name + best)
     legend(figure, [*cable_samples(), *_samples(ds)])
     return figure
@@ -93,10 +96,12 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
     """
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
-    camera = best_view(solids, curves or [task])
+    camera = best_view(solids, curves or [task], unit=frame_of(scenario).length)
     figure = picture(13.0, 7.0)
     view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
-    paint_room(view, camera, scenario.workspace.lower, scenario.workspace.upper)
+    paint_room(
+        view, camera, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario)
+    )
     stages = (view, camera, solids), (top, Camera.above(), solids)
     for axes, eye, _ in stages:
         _obstacles(axes, eye, scenario, solids)
@@ -106,9 +111,17 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
     return figure, stages
 
 
+def ground_of(scenario: Any) -> float:
+    """The z of the floor of a picture (m): the ground, or below all where there is none."""
+    if scenario.ground_height is not None:
+        return scenario.ground_height
+    return min(scenario.workspace.lower[2], *(robot.base[2] for robot in scenario.robots))
+
+
 def best_view(
-    solids: list[Solid], curves: list[Curve], posts: Sequence = (), lines: Sequence = ()
-) -> Camera:
+    solids: list[Solid], curves: list[Curve], posts: Sequence = (), lines: Sequence = (),
+    unit: float = 1.0,
+) -> Camera:  # fmt: skip
     """The camera that hides least of the curves and foreshortens them least.
 
     Args:
@@ -116,6 +129,7 @@ def best_view(
         curves: what is to be seen (m).
         posts: thin things that should not stand in front of the curves, as polylines (m).
         lines: straight lines (2, 3) that should not be seen end on (m).
+        unit: the scene's own unit of length (m).
     """
     fine = [refine(curve, 3) for curve in curves]
     points = np.concatenate(fine)
@@ -125,7 +139,8 @@ def best_view(
 
     def merit(camera: Camera) -> float:
         share = _seen(steps, camera).sum() / np.linalg.norm(steps, axis=1).sum()
-        covered = _covered(points[:: len(points) // 60 + 1], standing, camera).mean()
+        some = points[:: len(points) // 60 + 1]
+        covered = _covered(some, standing, camera, BESIDE * unit).mean()
         ends_on = 1 - (_seen(spans, camera) / np.linalg.norm(spans, axis=1)).min(initial=1.0)
         return float(share - 2 * hidden(points, solids, camera).mean() - covered - ends_on / 2)
 
@@ -139,11 +154,11 @@ def _seen(steps: Curve, camera: Camera) -> Float[np.ndarray, " points"]:
 
 
 def _covered(
-    points: Curve, standing: Float[np.ndarray, "posts xyz"], camera: Camera
+    points: Curve, standing: Float[np.ndarray, "posts xyz"], camera: Camera, beside: float = BESIDE
 ) -> Bool[np.ndarray, " points"]:
     """Which points have one of the others close in front of them."""
     apart = camera.project(points)[:, None] - camera.project(standing)
-    near = np.linalg.norm(apart, axis=-1) < BESIDE
+    near = np.linalg.norm(apart, axis=-1) < beside
     return (near & (standing @ camera.towards > (points @ camera.towards)[:, None])).any(axis=1)
 
 
@@ -181,28 +196,29 @@ def _samples(ds: xr.Dataset | None) -> list[Line2D]:
 
 def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
     """Obstacles and the load at start and goal, from back to front; obstacles are numbered."""
-    size = scenario.payload.radius, scenario.payload.height
+    unit, size = frame_of(scenario).length, (scenario.payload.radius, scenario.payload.height)
     loads = [cylinder(place, *size) for place in (scenario.task.start, scenario.task.goal)]
     bodies = [*solids, *loads]
     for rank, i in enumerate(camera.back_to_front(bodies)):
         color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
         paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
     for number, solid in enumerate(solids, start=1):
-        top = solid.corners[solid.corners[:, 2] > solid.corners[:, 2].max() - 1e-9].mean(axis=0)
-        if not hidden(top[None] + [0, 0, 1e-3], solids, camera).any():
+        top = solid.corners[solid.corners[:, 2] > solid.corners[:, 2].max() - 1e-6 * unit]
+        top = top.mean(axis=0)
+        if not hidden(top[None] + [0, 0, 1e-3 * unit], solids, camera).any():
             paint_label(axes, camera, top, str(number), fontsize=7.5, color="#5F6670")
     start, goal = (np.asarray(p, np.float64) for p in (scenario.task.start, scenario.task.goal))
     ahead = camera.frame[0] @ (goal - start)  # name each on the side away from the other
     for name, place, side in (("start", start, -ahead), ("goal", goal, ahead)):
-        step, align = (-0.18, "right") if side < -0.5 else (0.18, "left")
-        beside = place + step * camera.frame[0]
+        step, align = (-1, "right") if side < -0.5 * unit else (1, "left")
+        beside = place + step * max(0.18 * unit, 1.2 * scenario.payload.radius) * camera.frame[0]
         paint_label(axes, camera, beside, name, ha=align, fontsize=9, fontweight="bold")
 
 
 def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
     """The cables at start and goal, and the ends they hang from; those at the goal filled."""
     hung = attachments_of(scenario)
-    ends = _ends(scenario)
+    ends, unit = _ends(scenario), frame_of(scenario).length
     for (name, dash), held in zip(_CABLES.items(), ends, strict=True):
         lower = np.array(getattr(scenario.task, name), np.float64) + hung
         for line in zip(lower, held, strict=True):
@@ -214,7 +230,7 @@ def _cables(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> N
         flat = camera.project(held)
         axes.plot(*flat.T, "o", ms=5, mfc=face, mec=INK, mew=1.2, zorder=6 + (face == "white"))
     for number, end in enumerate(ends[0], start=1):
-        above = end + 0.3 * camera.frame[1]
+        above = end + 0.3 * unit * camera.frame[1]
         paint_label(axes, camera, above, f"P{subscript(number)}", fontsize=9)
 
 
@@ -254,10 +270,6 @@ def _finish_view(axes: Axes, scenario: Any) -> None:
 
 
 def _finish_top(axes: Axes, scenario: Any) -> None:
-    low, high = scenario.workspace.lower, scenario.workspace.upper
     quiet(axes)
     axes.set_aspect("equal")
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
-    axes.set_xlabel("x (m)", fontsize=10, color=INK)
-    axes.set_ylabel("y (m)", fontsize=10, color=INK)
+    frame_plane(axes, (0, 1), scenario.workspace, (scenario.task.start, scenario.task.goal))

@@ -55,7 +55,8 @@ class Solid(NamedTuple):
         enter = np.max(np.where(slope < -1e-12, s, 0.0), axis=-1)
         leave = np.min(np.where(slope > 1e-12, s, np.inf), axis=-1)
         beside = ((np.abs(slope) < 1e-12) & (gap < 0)).any(axis=-1)
-        return (leave > enter + 1e-9) & ~beside
+        touch = 1e-9 + 4 * np.spacing(np.abs(self.offsets).max())  # what rounding far away adds
+        return (leave > enter + touch) & ~beside
 
 
 class Camera(NamedTuple):

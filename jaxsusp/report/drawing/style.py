@@ -7,6 +7,7 @@ work without a display, in threads and in notebooks.
 import io
 import math
 import os
+import textwrap
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -27,6 +28,9 @@ INK = "#2B2B2B"
 QUIET = "#8A8A8A"
 FAINT = "#E4E4E4"
 DPI = 200
+
+LETTERS = 9.5
+"""Of a title, per inch."""
 
 PALETTE = {
     "pso": "#0072B2",
@@ -149,20 +153,41 @@ def quiet(axes: Axes) -> None:
 
 
 def heading(figure: Figure, title: str) -> None:
-    """Title at the top left."""
+    """Title at the top left, in as many lines as the width of the figure asks for."""
+    title = textwrap.fill(title, int(LETTERS * figure.get_figwidth()))
     figure.suptitle(title, x=0.008, ha="left", fontsize=12, fontweight="bold", color=INK)
 
 
+def remarks(figure: Figure, lines: Iterable[str]) -> None:
+    """Sentences below the title, for what a picture cannot show."""
+    rows = [part for line in lines for part in textwrap.wrap(line, _ACROSS)]
+    engine, height = figure.get_layout_engine(), figure.get_figheight()
+    if rows and isinstance(engine, ConstrainedLayoutEngine):
+        look = {"fontsize": 9, "linespacing": 1.4, "va": "top", "color": INK}
+        figure.text(0.008, 1 - 0.36 / height, "\n".join(rows), **look)
+        engine.set(rect=(0, 0, 1, 1 - (len(rows) + 0.5) * 9 * 1.4 / 72 / height))
+
+
+_ACROSS = 185
+"""Characters in a line of remarks on a figure 13 inches wide."""
+
+
 def legend(figure: Figure, handles: Sequence[Artist]) -> None:
-    """One row below the panels, where it hides nothing; two of many entries."""
+    """One row below the panels, where it hides nothing; more rows of many or long entries."""
+    length = sum(len(str(handle.get_label())) + _SAMPLE for handle in handles)
+    rows = max(1 + (len(handles) >= 10), math.ceil(length / (_LETTERS * figure.get_figwidth())))
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=len(handles) if len(handles) < 10 else -(-len(handles) // 2),
+        ncols=-(-len(handles) // rows),
         frameon=False,
         fontsize=10,
         labelcolor=INK,
     )
+
+
+_SAMPLE, _LETTERS = 8, 12.5
+"""Letters that a legend's sample takes up with its gaps, and letters in an inch."""
 
 
 def log_axis(axis: Axis) -> None:

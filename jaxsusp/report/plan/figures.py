@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from scipy.spatial.transform import Rotation
 
 from jaxsusp.planning.plan import Plan
+from jaxsusp.report.drawing.scales import anchor
 from jaxsusp.report.drawing.style import (
     CABLES,
     INK,
@@ -21,6 +22,7 @@ from jaxsusp.report.drawing.style import (
     quiet,
     subscript,
 )
+from jaxsusp.scenario.ownunits import in_words
 from jaxsusp.verify.constraints import INSTANTS
 
 AXES = {"x": PALETTE["pso"], "y": PALETTE["ga"], "z": PALETTE["dbo"]}
@@ -34,8 +36,10 @@ def kinematics(plan: Plan) -> Figure:
     times = _instants(plan)
     figure = picture(11.0, 6.6)
     panels = figure.subplots(2, 2, sharex=True).ravel()
-    labels = ("position (m)", "velocity (m/s)", "acceleration (m/s²)", "jerk (m/s³)")
-    for axes, values in zip(panels, plan.at(times), strict=True):
+    labels = (_position_name(plan), "velocity (m/s)", "acceleration (m/s²)", "jerk (m/s³)")
+    motion = plan.at(times)
+    motion = motion._replace(position=motion.position - _counted_from(plan))
+    for axes, values in zip(panels, motion, strict=True):
         _curves(axes, times, values, AXES.values())
     _name(panels, labels)
     for axes in panels[2:]:
@@ -43,6 +47,17 @@ def kinematics(plan: Plan) -> Figure:
     heading(figure, f"{plan.scenario.name}: motion of the load")
     legend(figure, _samples(AXES))
     return figure
+
+
+def _counted_from(plan: Plan) -> np.ndarray:
+    """What positions in curves are counted from (m): zero, but far away round numbers."""
+    box = plan.scenario.workspace
+    return np.array([anchor(*ends) for ends in zip(box.lower, box.upper, strict=True)])
+
+
+def _position_name(plan: Plan) -> str:
+    start = _counted_from(plan)
+    return f"position from {in_words(start)} (m)" if start.any() else "position (m)"
 
 
 def cables(plan: Plan) -> Figure:

@@ -96,8 +96,9 @@ def _camera(plan: Plan) -> Any:
     points = np.concatenate([plan.position, stills.chains.reshape(-1, 3)])
     view, middle = plan_view(plan, stills), (points.min(axis=0) + points.max(axis=0)) / 2
     camera = mujoco.MjvCamera()
-    camera.lookat[:] = middle
-    camera.distance = _distance(points - middle, view)
+    units = plan.scenario.units  # the model is in the task's own units
+    camera.lookat[:] = units.inside(middle)
+    camera.distance = _distance(points - middle, view) / units.length
     camera.azimuth = float(np.rad2deg(view.azimuth)) + 180  # MuJoCo's is where it looks to
     camera.elevation = -float(np.rad2deg(view.elevation))
     return camera

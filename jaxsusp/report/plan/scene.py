@@ -19,7 +19,8 @@ from jaxsusp.report.drawing.painting import (
     refine,
 )
 from jaxsusp.report.drawing.room import paint_room
-from jaxsusp.report.drawing.scene import LOAD, STONE, best_view
+from jaxsusp.report.drawing.scales import count_from
+from jaxsusp.report.drawing.scene import LOAD, STONE, best_view, ground_of
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
 from jaxsusp.report.drawing.style import (
     CABLES,
@@ -64,11 +65,13 @@ def _finish_top(axes: Axes) -> None:
     """True to scale, with the same grid in both directions."""
     quiet(axes)
     axes.set_aspect("equal")
-    span = max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
-    step = np.diff(MaxNLocator(10, steps=[1, 2, 5, 10]).tick_values(0, span))[0]
-    for axis, name in ((axes.xaxis, "x (m)"), (axes.yaxis, "y (m)")):
-        axis.set_major_locator(MultipleLocator(step))
-        axis.set_label_text(name, fontsize=10, color=INK)
+    limits = axes.get_xlim(), axes.get_ylim()
+    step = np.diff(
+        MaxNLocator(10, steps=[1, 2, 5, 10]).tick_values(0, np.ptp(limits, axis=1).max())
+    )
+    for axis, (scale, ends) in enumerate(zip((axes.xaxis, axes.yaxis), limits, strict=True)):
+        scale.set_major_locator(MultipleLocator(step[0]))
+        count_from(scale, axis, *ends)
 
 
 def plan_view(plan: Plan, stills: Stills | None = None) -> Camera:
@@ -78,7 +81,8 @@ def plan_view(plan: Plan, stills: Stills | None = None) -> Camera:
     curve = plan.at(np.linspace(0, plan.law.duration, 200)).position
     held = [*zip(stills.lower[0], stills.ends[0], strict=True)]
     held += [*zip(stills.lower[-1], stills.ends[-1], strict=True)]
-    return best_view(solids, [curve], [*stills.chains[0], *stills.chains[-1]], held)
+    posts = [*stills.chains[0], *stills.chains[-1]]
+    return best_view(solids, [curve], posts, held, plan.scenario.units.length)
 
 
 def _postures(plan: Plan, u: np.ndarray) -> np.ndarray:
@@ -102,7 +106,9 @@ def scene(plan: Plan) -> Figure:
     camera = plan_view(plan, stills)
     figure = picture(13.0, 7.4)
     view, top = figure.subplots(1, 2, width_ratios=[1.15, 1])
-    paint_room(view, camera, scenario.workspace.lower, scenario.workspace.upper)
+    paint_room(
+        view, camera, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario)
+    )
     for axes, eye in ((view, camera), (top, Camera.above())):
         _bodies(axes, eye, plan, solids, stills)
         _arms(axes, eye, plan, solids, stills)
@@ -123,7 +129,7 @@ def scene(plan: Plan) -> Figure:
 
 def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills: Stills) -> None:
     """Obstacles and the load's poses, from back to front."""
-    payload = plan.scenario.payload
+    payload, unit = plan.scenario.payload, plan.scenario.units.length
     loads = [
         cylinder(center, payload.radius, payload.height, turn)
         for center, turn in zip(stills.center, stills.posture, strict=True)
@@ -134,9 +140,10 @@ def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills:
         paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
     way = camera.project(plan.at(np.linspace(0, plan.law.duration, 200)).position)
     for name, place in (("start", stills.center[0]), ("goal", stills.center[-1])):
-        sides = (("left", 0.2), ("right", -0.2))
+        away = max(0.2 * unit, 1.2 * payload.radius)
+        sides = (("left", away), ("right", -away))
         middles = camera.project(place) + np.array([[3 * step, 0.0] for _, step in sides])
-        align, step = sides[freest(middles, way, enough=0.4)]
+        align, step = sides[freest(middles, way, enough=0.4 * unit)]
         beside = place + step * camera.frame[0]
         paint_label(axes, camera, beside, name, ha=align, fontsize=9, fontweight="bold")
 
@@ -192,9 +199,10 @@ def _name_ends(axes: Axes, camera: Camera, plan: Plan, stills: Stills) -> None:
     drawn = camera.project(np.concatenate(lines))
     angle = np.deg2rad([90, 135, 45, 180, 0, 225, 315, 270])
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    around = np.concatenate([0.4 * ring, 0.6 * ring])
+    unit = plan.scenario.units.length
+    around = unit * np.concatenate([0.4 * ring, 0.6 * ring])
     for k, end in enumerate(stills.ends[0]):
-        best = around[freest(camera.project(end) + around, drawn, enough=0.3)]
+        best = around[freest(camera.project(end) + around, drawn, enough=0.3 * unit)]
         place = end + best @ camera.frame
         paint_label(axes, camera, place, f"P{subscript(k + 1)}", fontsize=9, color=QUIET)
 

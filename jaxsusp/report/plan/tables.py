@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from jaxsusp.planning.choices import TAUT
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.render import Column, significant
 from jaxsusp.scenario.models import Limits
@@ -42,7 +43,8 @@ def limits_table(
         for name in ("limit", "margin")
     )
     broken = sum(not each.ok for each in report)
-    frame.attrs["caption"] = f"{broken} limits are broken." if broken else "All limits are kept."
+    told = "1 limit is broken." if broken == 1 else f"{broken} limits are broken."
+    frame.attrs["caption"] = told if broken else "All limits are kept."
     return frame
 
 
@@ -142,6 +144,30 @@ def verdict(feasible: bool, reasons: Sequence[str], name: str) -> str:
         return f"{name}: the plan is feasible and certified clear at every instant."
     lines = "\n".join(f"  - {reason}" for reason in reasons)
     return f"{name}: the plan is infeasible:\n{lines}"
+
+
+def how_good(plan: Plan, best: float | None) -> str:
+    """One sentence about a plan that was searched for: its fitness, its way, and how it was found.
+
+    Args:
+        plan: with the settings that the planner keeps.
+        best: the best known fitness of the same task and ends, if there is one.
+    """
+    said, fitness = plan.settings, plan.settings["fitness"]
+    beside = ""
+    if best is not None:
+        gap = fitness / best - 1
+        beside = f" ({100 * abs(gap):.1f} % {'above' if gap >= 0 else 'below'} the best known)"
+    found = f"found by {said['algorithm']}"
+    if said["way"] == TAUT:
+        found = "the rounded taut way"
+        if said["algorithm"] != TAUT:
+            found += f", than which {said['algorithm']} found nothing better"
+    attempts = said["attempts"]
+    return (
+        f"Fitness {fitness:.2f}{beside}, path {plan.law.path.length:.2f} m, {found} in {attempts} "
+        f"attempt{'s' if attempts > 1 else ''}."
+    )
 
 
 def _with_unit(value: float, unit: str) -> str:

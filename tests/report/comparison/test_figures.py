@@ -27,6 +27,17 @@ def test_convergence_has_a_panel_per_scenario_and_a_line_per_algorithm(compariso
     assert [text.get_text() for text in legend.get_texts()] == ["PSO", "GA", "DBO", "SDBO"]
 
 
+def test_titles_tell_how_many_runs_there_are_where_algorithms_differ(comparison):
+    comparison["obstacles"][0] = 1
+    whole = figures.convergence(comparison)
+    assert whole._suptitle.get_text() == "Convergence: median and quartiles of 4 runs"
+    assert whole.axes[0].get_title("right") == "1 obstacle"
+    comparison["fitness"][:, 1, 3:] = np.nan
+    comparison["fitness"][:, 2] = np.nan  # of another comparison
+    for draw in (figures.convergence, figures.fitness_boxes):
+        assert "of 3 to 4 runs" in draw(comparison)._suptitle.get_text()
+
+
 def test_convergence_draws_the_median_over_evaluations(comparison):
     axes = figures.convergence(comparison).axes[0]
     pso, sdbo = lines(axes)["PSO"], lines(axes)["SDBO"]

@@ -143,6 +143,13 @@ def test_the_comparison_fits_a_terminal_of_80_columns(comparison):
     assert "share of its batch" in " ".join(text.split())
 
 
+def test_one_obstacle_is_one(comparison):
+    comparison["obstacles"][0] = 1
+    text = printed(tables.comparison_table(comparison))
+    assert "1 obstacle " in text
+    assert "10 obstacles" in text
+
+
 def test_rich_prints_the_best_in_bold(comparison):
     table = to_rich(tables.comparison_table(comparison), title="mine", caption="[why]")
     assert table.title == "mine"
@@ -200,3 +207,12 @@ def test_shares_and_probabilities():
     assert probability(0.0004) == "< 0.001"
     assert probability(0.05) == "0.050"
     assert probability(np.nan) == "–"
+
+
+def test_own_units_that_are_not_m_and_kg_are_told(comparison):
+    assert "own units" not in tables.comparison_table(comparison).attrs["caption"]
+    small = comparison.copy(deep=True)
+    small["unit_length"][0], small["unit_mass"][0] = 0.05, 0.002
+    caption = tables.comparison_table(small).attrs["caption"]
+    name = str(small["scenario"].values[0])
+    assert f"own units, here of {name} 0.05 m and 0.002 kg." in caption
