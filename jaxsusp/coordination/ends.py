@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float
-from jaxsusp.errors import InputError, require_counts, require_seed
+from jaxsusp.errors import InputError, require, require_counts, require_seed
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
@@ -228,7 +228,15 @@ def place_ends(
     require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)
     optimizer = algorithm_of(algorithm)
-    problem = end_problem(scenario.own, scenario.units.inside(position))
+    where = np.asarray(position, np.float64)
+    require(
+        where.ndim == 2
+        and where.shape[1] == 3
+        and len(where) > 1
+        and bool(np.isfinite(where).all()),
+        f"position of shape {where.shape}: give the load's way as (samples, 3) finite numbers",
+    )
+    problem = end_problem(scenario.own, scenario.units.inside(where))
     outcome = run_batch(
         stack_problems([problem]), optimizer, seed, range(runs), iterations, population
     )

@@ -197,7 +197,7 @@ def _attempt(plan: Plan) -> list[Refusal]:
     if arms:
         one, other = arms[0].bodies
         text = (
-            f"in the best attempt {one} and {other} come within {arms[0].least:.3f} m of each "
+            f"in the best attempt {one} and {other} come within {arms[0].least:.4g} m of each "
             f"other, {arms[0].required:g} m are required"
         )
         found.append(Refusal("arms", text))

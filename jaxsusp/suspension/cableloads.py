@@ -9,6 +9,7 @@ import numpy as np
 from jaxsusp._types import Array, Bool, Float
 from jaxsusp.geometry.cables import cable_lengths, cable_vectors
 from jaxsusp.mechanics.statics import force_tensions, weight
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
 from jaxsusp.suspension.hanging import Hanging, equilibrium
@@ -28,6 +29,17 @@ class Loads(NamedTuple):
     balanced: Bool[np.ndarray, "times"]  # whether the load is in equilibrium
     missing: Float[np.ndarray, "times"]  # moment that equilibrium lacks, N m
     stiffness: Float[np.ndarray, "times"]  # of the softest mode, N/m; inf at a hook
+
+    def stated(self, units: Frame) -> "Loads":
+        """The same, of a system in own units, with numbers as a scenario's units make them."""
+        changed = {
+            name: units.number(getattr(self, name), unit)
+            for name, unit in (
+                ("lengths", "m"), ("static", "N"), ("tensions", "N"), ("missing", "N m"),
+                ("stiffness", "N/m"),
+            )
+        }  # fmt: skip
+        return self._replace(**changed)
 
 
 def cable_loads(

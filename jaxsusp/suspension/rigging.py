@@ -147,6 +147,9 @@ class Rigging:
 
     def loads(self, times: Float[np.ndarray, "times"]) -> Loads:
         """Lengths, tensions and postures at times (s)."""
+        if self.own is not self:  # far from the world's origin equilibria would be lost in rounding
+            units = self.scenario.units
+            return self.own.loads(times / units.factor("s")).stated(units)
         motion, ends = self.law.at(times), self.ends_at(self.law.parameter(times))
         return cable_loads(self.scenario, motion.position, motion.acceleration, ends)
 

@@ -99,7 +99,7 @@ def _body(parent: Any, units: Frame, name: str, place: Any) -> Any:
     body = parent.add_body(name=name, pos=place, gravcomp=1)
     mass = units.number(1.0, "kg")
     body.explicitinertial, body.mass = True, mass
-    body.inertia = [mass * units.length**2] * 3
+    body.inertia, body.ipos = [mass * units.length**2] * 3, [0.0] * 3  # without it no file has them
     return body
 
 

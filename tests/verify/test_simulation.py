@@ -6,6 +6,7 @@ import pytest
 from plans import LOW
 
 import jaxsusp as js
+from jaxsusp.scenario.ownunits import Frame, restated
 from jaxsusp.verify.model import build_spec
 from jaxsusp.verify.simulation import commands, export_model, simulate
 
@@ -71,3 +72,29 @@ def test_cables_pull_and_never_push(plan):
     mujoco.mj_step(model, data, 50)
     np.testing.assert_array_equal(data.actuator_force, 0)
     assert data.qvel[2] == pytest.approx(-9.81 * 50 * model.opt.timestep, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["base-driven", "hybrid", "end-driven"])
+def test_an_exported_model_with_moving_ends_is_read_and_played(name, tmp_path):
+    scenario = restated(js.load_scenario(name), Frame(0.1, 0.002, (50.0, -20.0, 3.0)))
+    ways = np.linspace(scenario.task.start, scenario.task.goal, 5)[1:-1]
+    rigging = js.plan_through(scenario, ways).rigging
+    export_model(rigging, tmp_path / "model.xml")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, 500)
+    off = np.linalg.norm(data.body("load").xpos - scenario.task.start)
+    assert off < 1e-3 * scenario.units.length
+
+
+def test_loads_far_away_are_those_of_the_same_system_nearby():
+    near = js.load_scenario("rim")
+    frame = Frame(0.1, 1e-3, (5e5, 5e6, 0.0))
+    ways = np.linspace(near.task.start, near.task.goal, 5)[1:-1]
+    plan = js.plan_through(near, ways)
+    far = js.plan_through(restated(near, frame), frame.place(ways))
+    times = np.linspace(0, 1, 101)
+    known = plan.loads_at(times * plan.times[-1]).tensions
+    found = far.loads_at(times * far.times[-1]).tensions
+    np.testing.assert_allclose(found, frame.number(known, "N"), rtol=1e-4)

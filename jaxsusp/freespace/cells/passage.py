@@ -2,8 +2,8 @@
 
 The room of a position is what load and cables keep there beyond the distances required of them. The
 width of a task is twice the least room on the way that has most of it: by half of it
-`limits.clearance` could grow before no way was left. For the load alone, it is how much further its
-centre could be moved from side to side.
+`limits.clearance` could grow before no way was left, the ground apart. For the load alone, it is
+how much further its centre could be moved from side to side.
 """
 
 from typing import NamedTuple
