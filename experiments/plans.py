@@ -37,7 +37,7 @@ def main() -> None:
         quick = time.perf_counter() - clock
         gaps = [100 * (each.settings["fitness"] / best - 1) for each in (*plans, taut)]
         means.append(np.mean(gaps[:-1]))
-        feasible = sum(each.feasible and each.settings["tracked"] for each in plans)
+        feasible = sum(each.feasible for each in plans)
         print(
             f"| {name} | {gaps[-1]:.0f} | {means[-1]:.1f} | {feasible}/{len(plans)} | "
             f"{quick:.2f} | {np.median(seconds):.2f} |", flush=True,
