@@ -18,7 +18,7 @@ from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.mechanics.arm import reach, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
 from jaxsusp.scenario.messages import numbered, sentence
-from jaxsusp.scenario.models import Statement, Workspace
+from jaxsusp.scenario.models import Statement
 from jaxsusp.scenario.ownunits import TOUCH, frame_of, in_own_units
 from jaxsusp.scenario.world import World, attachments_of, build_world, warning_shape
 from jaxsusp.vec3 import Vec3
@@ -127,7 +127,7 @@ def _outside(scenario: Statement) -> Iterator[str]:
             if not low <= point[i] <= high:
                 wrong = f"is outside the workspace, whose {'xyz'[i]} is {low:g} to {high:g} m"
                 remedy = "move it inside"
-                if box == Workspace():
+                if "workspace" not in scenario.model_fields_set:
                     remedy += ", or give a [workspace] table, which was left out"
                 yield sentence(f"{place}[{i}]", point[i], wrong, remedy)
 

@@ -93,8 +93,10 @@ def test_ends_closer_than_the_separation_are_refused():
 
 def test_a_start_or_goal_outside_the_workspace_is_refused():
     assert complaints(start=(0, 1, 0.1), goal=(0, -1, 5.6)) == [
-        "task.start[2] = 0.1 is outside the workspace, whose z is 0.2 to 5.5 m; move it inside",
-        "task.goal[2] = 5.6 is outside the workspace, whose z is 0.2 to 5.5 m; move it inside",
+        "task.start[2] = 0.1 is outside the workspace, whose z is 0.2 to 5.5 m; move it inside, or "
+        "give a [workspace] table, which was left out",
+        "task.goal[2] = 5.6 is outside the workspace, whose z is 0.2 to 5.5 m; move it inside, or "
+        "give a [workspace] table, which was left out",
     ]
     assert loads(start=(0, 1, 0.2), goal=(0, -1, 5.5))
 
