@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 import jaxsusp as js
 from jaxsusp.scenario.ownunits import PLACE, UNITS
 
@@ -56,6 +58,4 @@ def turned_points(points, quarters: int, mirror: bool = False):
     x, y, z = (points[..., i] for i in range(3))
     for _ in range(quarters % 4):
         x, y = -y, x
-    import numpy as np
-
     return np.stack([y, x, z] if mirror else [x, y, z], axis=-1)

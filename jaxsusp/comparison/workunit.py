@@ -212,7 +212,7 @@ class Unit(NamedTuple):
         per_run = {
             "fitness": found.fitness,
             "terms": np.stack(
-                [in_si(getattr(found.terms, name), name, frames) for name in dataset.TERMS], axis=-1
+                [_in_si(found.terms, name, frames) for name in dataset.TERMS], axis=-1
             ),
             "collisions": found.terms.collisions,
             "violations": found.terms.violations,
@@ -264,10 +264,10 @@ def _places(rows: np.ndarray, frames: Sequence[Frame]) -> np.ndarray:
     return np.stack(found).reshape(rows.shape)
 
 
-def in_si(values: np.ndarray, term: str, frames: Sequence[Frame]) -> np.ndarray:
-    """A term of several scenarios, formed in their own units, in SI units."""
-    factors = np.array([frame.factor(FitnessTerms.unit(term)) for frame in frames])
-    return values * factors.reshape(-1, *(1,) * (values.ndim - 1))
+def _in_si(terms: FitnessTerms, name: str, frames: Sequence[Frame]) -> np.ndarray:
+    """A term of runs on several scenarios, formed in their own units, in SI units (S, R)."""
+    factors = np.array([frame.factor(FitnessTerms.unit(name)) for frame in frames])
+    return getattr(terms, name) * factors[:, None]
 
 
 class Exact(NamedTuple):

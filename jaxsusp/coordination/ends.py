@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float
-from jaxsusp.errors import InputError, require, require_counts, require_seed
+from jaxsusp.errors import InputError, require_counts, require_seed
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import Optimizer
@@ -176,6 +176,23 @@ def require_placeable(scenario: Scenario) -> None:
         )
 
 
+def load_way(position: Any) -> Float[np.ndarray, "samples xyz"]:
+    """The load's positions that a person gave.
+
+    Raises:
+        InputError: not two or more rows of three finite numbers.
+    """
+    try:
+        where = np.asarray(position, np.float64)
+    except (TypeError, ValueError):
+        raise InputError("position: is no array of numbers; give (samples, 3) of them") from None
+    if where.ndim != 2 or where.shape[1] != 3 or len(where) < 2 or not np.isfinite(where).all():
+        raise InputError(
+            f"position of shape {where.shape}: give the load's way as (samples, 3) finite numbers"
+        )
+    return where
+
+
 class Placement(NamedTuple):
     """Where the ends went, and what it is worth (float64)."""
 
@@ -228,15 +245,7 @@ def place_ends(
     require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)
     optimizer = algorithm_of(algorithm)
-    where = np.asarray(position, np.float64)
-    require(
-        where.ndim == 2
-        and where.shape[1] == 3
-        and len(where) > 1
-        and bool(np.isfinite(where).all()),
-        f"position of shape {where.shape}: give the load's way as (samples, 3) finite numbers",
-    )
-    problem = end_problem(scenario.own, scenario.units.inside(where))
+    problem = end_problem(scenario.own, scenario.units.inside(load_way(position)))
     outcome = run_batch(
         stack_problems([problem]), optimizer, seed, range(runs), iterations, population
     )

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float, Int
+from jaxsusp.coordination.ends import load_way
 from jaxsusp.coordination.fans import combinations, offsets
 from jaxsusp.coordination.passes import Attempt, Found, Outlook, Task, move, stay
 from jaxsusp.coordination.smoothing import WIDTHS, running_means
@@ -143,15 +144,7 @@ def _task(scenario: Scenario, position, fan: int, angle_deg: float, margin: floa
     require_count("fan", fan)
     require(0 < angle_deg <= 90, f"angle_deg = {angle_deg:g}: give degrees from above 0 to 90")
     require(0 <= margin < np.inf, f"margin = {margin:g}: give a finite number of at least 0 m")
-    try:
-        where = np.asarray(position, np.float64)
-    except (TypeError, ValueError):
-        raise InputError("position: is no array of numbers; give (samples, 3) of them") from None
-    if where.ndim != 2 or where.shape[1] != 3 or len(where) < 2 or not np.isfinite(where).all():
-        raise InputError(
-            f"position of shape {where.shape}: give the load's way as (samples, 3) finite numbers"
-        )
-    where, margin = scenario.units.inside(where), margin / scenario.units.length
+    where, margin = scenario.units.inside(load_way(position)), margin / scenario.units.length
     scenario = scenario.own
     choices = combinations(fan, len(scenario.robots))
     turns = offsets(scenario.drive, fan, 1.0)

@@ -162,15 +162,15 @@ class _Builder:
         covered = self._cover()
         if not (self.reason or self._connected):
             self.reason = self._disconnected(covered)
-        return self._describe(covered, self.reason, clock)
+        return self._describe(covered, clock)
 
-    def _describe(self, coverage: float, reason: str, clock: float) -> FreeSpace:
+    def _describe(self, coverage: float, clock: float) -> FreeSpace:
         self.seconds["regions"] = time.perf_counter() - clock
         clock = time.perf_counter()
         route, polyline, bound, ways, level = [], np.empty((0, 3)), np.inf, (), ()
         faces = tuple(body.faces for body in self.bodies.bodies)
         names = tuple(body.name for body in self.bodies.bodies)
-        if not reason:
+        if not self.reason:
             route = self.graph.route(self.start, self.goal)
             if self.settings["routes"]:
                 search = WaySearch(self.graph, faces, names, self.start, self.goal, self.turn)
@@ -194,7 +194,7 @@ class _Builder:
             polyline=turned_points(polyline, back),
             bound=bound,
             coverage=coverage,
-            reason=reason,
+            reason=self.reason,
             bodies=tuple(turned_halves(each, back) for each in faces),
             body_names=names,
             routes=tuple(

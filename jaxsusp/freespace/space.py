@@ -34,10 +34,6 @@ _DIMS: dict[str, tuple[str, ...]] = {
 }
 
 
-_SAME = UNCHANGED
-"""Numbers that stay as they are."""
-
-
 class Route(NamedTuple):
     """A locally shortest way."""
 
@@ -80,7 +76,7 @@ class FreeSpace:
     body_names: tuple[str, ...] = ()
     routes: tuple[Route, ...] = ()  # distinct taut ways from start to goal, shortest first
     level: tuple[Points, ...] = ()  # ways near the start's height, not taut
-    frame: Frame = _SAME  # how numbers in the task's own units become these
+    frame: Frame = UNCHANGED  # how numbers in the task's own units become these
 
     def __post_init__(self):
         for each in fields(self):

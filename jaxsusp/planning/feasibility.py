@@ -11,6 +11,7 @@ import numpy as np
 from jaxsusp._types import Float
 from jaxsusp.errors import InputError
 from jaxsusp.mechanics.statics import GRAVITY
+from jaxsusp.scenario.ownunits import TOUCH
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, cast_world
 from jaxsusp.suspension.cableloads import cable_loads
@@ -18,7 +19,6 @@ from jaxsusp.suspension.hanging import hanging_trouble
 from jaxsusp.suspension.reach import AXIS, in_reach
 from jaxsusp.suspension.rigging import ends_beside
 from jaxsusp.vec3 import Vec3
-from jaxsusp.verify.certificate import ROUNDING
 
 GRID = (15, 15, 12)
 """Positions of the workspace that are looked at, per axis."""
@@ -99,7 +99,7 @@ def _tensions(scenario: Scenario, place: Sequence[float]) -> Trouble | None:
 def _lengths(scenario: Scenario, place: Sequence[float]) -> Trouble | None:
     found = cable_loads(scenario, np.array([place], np.float64)).lengths[0]
     limits = scenario.limits.cable_length
-    if not (_excess(found, *limits) > ROUNDING).any():
+    if not (_excess(found, *limits) > TOUCH).any():
         return None
     lengths, (low, high) = (scenario.frame.number(np.array(each), "m") for each in (found, limits))
     k, bound, which = _furthest(lengths, low, high, "limits.cable_length")

@@ -13,8 +13,7 @@ import numpy as np
 from jaxsusp.mechanics import arm
 from jaxsusp.planning.plan import UNITS, Plan
 from jaxsusp.planning.waypoints import plan_through
-from jaxsusp.scenario.ownunits import PLACE
-from jaxsusp.verify.certificate import ROUNDING
+from jaxsusp.scenario.ownunits import PLACE, TOUCH
 from jaxsusp.verify.pairs import KINDS, System
 from jaxsusp.verify.scene import Scene
 from jaxsusp.verify.simulation import Simulation, simulate
@@ -127,7 +126,7 @@ def _contacts(anew: Plan, positions: np.ndarray, ends: np.ndarray) -> list[str]:
             if pair.kind > CABLES_TO_ARMS:
                 continue
             distance, _ = scene.distance(pair.other, pair.one)
-            if distance < pair.required - ROUNDING:
+            if distance < pair.required - TOUCH:
                 one, other = system.bodies[pair.one].name, system.bodies[pair.other].name
                 away = units.number(distance, "m")
                 text = "touches" if distance <= 0 else f"is {away:.4g} m from"
@@ -145,7 +144,7 @@ def _misses(plan: Plan, anew: Plan) -> list[str]:
     off = np.linalg.norm(held - ends, axis=-1)
     for k in range(rigging.cables):
         row = int(np.where(np.isnan(off[:, k]), np.inf, off[:, k]).argmax())
-        if not off[row, k] <= plan.scenario.units.number(ROUNDING, "m"):
+        if not off[row, k] <= plan.scenario.units.number(TOUCH, "m"):
             found.append(
                 f"joint angles of robot {k + 1} hold its end {off[row, k]:.4g} m away from where "
                 f"it has to be at {plan.times[row]:.2f} s"

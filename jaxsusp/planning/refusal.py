@@ -195,9 +195,9 @@ def _attempt(plan: Plan) -> list[Refusal]:
         each for each in plan.certificate.stated(say).contacts if "robot" in " ".join(each.bodies)
     ]
     if arms:
-        one, other = arms[0].bodies
+        (one, other), least = arms[0].bodies, say.thousandths(arms[0].least)
         text = (
-            f"in the best attempt {one} and {other} come within {arms[0].least:.4g} m of each "
+            f"in the best attempt {one} and {other} come within {least} m of each "
             f"other, {arms[0].required:g} m are required"
         )
         found.append(Refusal("arms", text))

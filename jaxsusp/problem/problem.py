@@ -84,10 +84,6 @@ _population_fitness = one_flat_batch(_flat_fitness)
 _population_repair = one_flat_batch(_flat_repair)
 
 
-_PLACES = UNCHANGED
-"""Waypoints that are places in the world as they are."""
-
-
 class Problem:
     """Minimise `fitness` over `lower` <= x <= `upper`.
 
@@ -120,7 +116,7 @@ class Problem:
 
     def __init__(
         self, fitness: Callable, lower, upper, reference=None, regions=None, starts=None,
-        frame: Frame = _PLACES,
+        frame: Frame = UNCHANGED,
     ):  # fmt: skip
         lower, upper = bounds_of(lower, upper)
         middle = lower + (upper - lower) / 2

@@ -8,6 +8,7 @@ as they are. All others are rounded to `GRID`, so that a task moved to map coord
 nearly always the very same numbers wherever it is: float32 and random searches see no difference.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -85,7 +86,7 @@ class Frame(NamedTuple):
 
     def place(self, points: Any) -> Float[np.ndarray, "*batch xyz"]:
         """Places (m) of places in own units."""
-        if self == Frame():
+        if self == UNCHANGED:
             return np.asarray(points, np.float64)
         return self.length * np.asarray(points, np.float64) + self.origin
 
@@ -96,6 +97,10 @@ class Frame(NamedTuple):
     def number(self, value: Any, unit: str) -> Any:
         """A number or an array of numbers in a unit of `DIMENSIONS`."""
         return value * self.factor(unit)
+
+    def thousandths(self, length: float) -> str:
+        """A length in m for people, to a thousandth of the own unit or finer."""
+        return f"{length:.{max(3, 3 - math.floor(math.log10(self.length)))}f}"
 
     def words(self, point: Any) -> str:
         """A place for people, (x, y, z) in m."""

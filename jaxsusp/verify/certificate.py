@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp.scenario.ownunits import Frame
+from jaxsusp.scenario.ownunits import TOUCH, Frame
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.elbow import elbow_speed
 from jaxsusp.verify.pairs import KINDS, System
@@ -24,7 +24,7 @@ from jaxsusp.verify.scene import Scene
 TOLERANCE = 1e-4
 """m; how exact the least clearances are."""
 
-ROUNDING = 1e-6
+ROUNDING = TOUCH
 """m; how far below the required clearance a distance may be, above MuJoCo's own error."""
 
 _COARSE = 2e-3  # m; how exact the least distance of a pair that fails has to be

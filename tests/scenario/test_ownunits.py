@@ -126,3 +126,9 @@ def test_frames_turn_numbers_and_places_and_back():
 def test_places_far_away_are_told_to_the_millimetre():
     assert in_words((0.0, 2.0, 1.23456)) == "(0, 2, 1.235)"
     assert in_words((350000.12345, 5500002.0, 1.0)) == "(350000.123, 5500002, 1)"
+
+
+def test_lengths_are_told_to_a_thousandth_of_the_unit():
+    assert Frame().thousandths(0.08) == "0.080"
+    assert Frame(0.05).thousandths(0.00012) == "0.00012"
+    assert Frame(20.0).thousandths(1.5) == "1.500"

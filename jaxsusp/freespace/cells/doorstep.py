@@ -16,9 +16,6 @@ from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.ownunits import TOUCH
 from jaxsusp.scenario.scenario import Scenario
 
-NEAR = 1e-6
-"""m from a body within which a place is taken to be in it."""
-
 STEPS = 44
 """Halvings for the nearest place on a cable: to 1e-12 of its length."""
 
@@ -38,7 +35,7 @@ def opened(scenario: Scenario, bodies: Sequence[Body]) -> list[Body]:
     found = list(bodies)
     for place in (np.array(scenario.task.start), np.array(scenario.task.goal)):
         for number, body in enumerate(found):
-            if body.faces.excess(place) > NEAR:
+            if body.faces.excess(place) > TOUCH:
                 continue
             plane = _between(forbidden, number, place, body)
             if plane is not None and plane.b < (body.corners @ plane.A[0]).max():

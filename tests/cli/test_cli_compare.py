@@ -1,4 +1,4 @@
-"""The command line as a person or a script meets it."""
+"""`jaxsusp compare` and `report` as a person or a script meets them."""
 
 import json
 import os
@@ -14,11 +14,9 @@ import pytest
 import xarray as xr
 
 import jaxsusp as js
-from jaxsusp.cli.progress import Pace
 from jaxsusp.comparison import compare as comparison
 from jaxsusp.comparison import dataset as results
 from jaxsusp.comparison import workunit
-from jaxsusp.comparison.compare import Event
 from jaxsusp.comparison.store import FILE, PARTS
 from jaxsusp.report.comparison import folder
 from jaxsusp.report.comparison.folder import write_report
@@ -233,43 +231,6 @@ def test_the_papers_ratios_are_shown_only_beside_ours(run, saved, uninterrupted,
     assert "SDBO / DBO" in out
 
 
-@pytest.mark.fast
-@pytest.mark.parametrize("columns", ["20", "80"])
-def test_every_row_of_a_listing_is_one_line(run, monkeypatch, columns):
-    monkeypatch.setenv("COLUMNS", columns)
-    for arguments in (["scenarios"], ["scenarios", "--examples"], ["algorithms"]):
-        lines = run(*arguments)[1].splitlines()
-        assert len(lines) == 1 + len(json.loads(run(*arguments, "--json")[1]))
-        assert not any("…" in line for line in lines)
-        assert max(map(len, lines)) <= 80 or arguments == ["algorithms"]
-
-
-@pytest.mark.fast
-def test_help_shows_flags_as_flags(run):
-    for command, flags in (("compare", ["--resume", "--json"]), ("scenarios", ["--examples"])):
-        lines = run(command, "--help")[1].splitlines()
-        for flag in flags:
-            (line,) = (line for line in lines if line.startswith(f"│ {flag} "))
-            assert "<bool>" not in line
-
-
-def test_lists_are_tables_or_json(run):
-    for command, name in (("scenarios", "scenario"), ("algorithms", "algorithm")):
-        code, out, err = run(command)
-        assert code == 0
-        assert ('`jaxsusp plan` also takes "taut"' in err) == (command == "algorithms")
-        rows = json.loads(run(command, "--json")[1])
-        assert all(row[name] in out for row in rows)
-    assert [row["algorithm"] for row in rows] == list(js.ALGORITHMS)
-
-
-@pytest.mark.parametrize("command", ["compare", "report", "scenarios", "algorithms"])
-def test_help_shows_an_example(run, command):
-    code, out, err = run(command, "--help")
-    assert (code, err) == (0, "")
-    assert f"Example: jaxsusp {command}" in out
-
-
 # Bad input
 
 
@@ -399,27 +360,6 @@ def test_an_interrupt_while_drawing_says_that_the_comparison_is_complete(
 
 
 # Progress and pictures
-
-
-@pytest.mark.fast
-def test_pace_counts_neither_compilation_nor_what_was_there():
-    now = [0.0]
-    pace = Pace(lambda: now[0])
-
-    def told(time, phase, done, compilations):
-        now[0] = time
-        pace.told(Event("ga", phase, done, 100_000, compilations))
-        return pace.rate, pace.elapsed, pace.left
-
-    assert told(0, "resumed", 40_000, 2) == ("", "0:00:00", "")
-    assert told(1, "compiling", 40_000, 2) == ("", "0:00:01", "")
-    assert told(11, "running", 41_000, 1) == ("", "0:00:11", "")
-    assert told(12, "running", 45_000, 1) == ("4k evals/s", "0:00:12", "0:00:24 left")
-    assert told(16, "finished", 60_000, 1) == ("4k evals/s", "0:00:16", "0:00:20 left")
-    assert told(16, "compiling", 60_000, 1) == ("4k evals/s", "0:00:16", "0:00:20 left")
-    assert told(37, "running", 80_000, 0)[2] == "0:00:05 left"
-    now[0] = 50.0
-    assert pace.left == "0:00:00 left"
 
 
 @pytest.mark.usefixtures("quick_pictures")
