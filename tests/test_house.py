@@ -70,7 +70,7 @@ from . import segments
 from ..mechanics import arm
 from ..problem.fitness import curvature
 if TYPE_CHECKING:
-    from jaxsusp.cli.plan import plan
+    from jaxsusp.cli.commands.plan import plan
 def function(name):
     from jaxsusp.verify import constraints
     importlib.import_module("jaxsusp.planning.planner")
@@ -83,8 +83,8 @@ def test_imports_are_found_wherever_they_stand(monkeypatch):
     monkeypatch.setattr(Path, "read_text", lambda *_, **__: EVERY_KIND)
     path = house.PACKAGE / "geometry" / "module.py"
     assert set(house._imported(path, MODULES)) == {
-        "vec3", "errors", "geometry.segments", "mechanics.arm", "problem.fitness", "cli.plan",
-        "verify.constraints", "planning.planner", "optim.algorithms",
+        "vec3", "errors", "geometry.segments", "mechanics.arm", "problem.fitness",
+        "cli.commands.plan", "verify.constraints", "planning.planner", "optim.algorithms",
     }  # fmt: skip
     assert house.opens_everything(path)
 
