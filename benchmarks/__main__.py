@@ -86,7 +86,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path, help="write the numbers to this JSON file")
     parser.add_argument("--quick", action="store_true", help="leave out the cold start")
     arguments = parser.parse_args()
-    configure()
+    configure(keep=False)
     console = Console()
     machine = f"{platform.machine()}, {cores()} cores, {len(jax.devices())} devices"
     console.print(f"jax {jax.__version__}, Python {platform.python_version()}, {machine}", "")

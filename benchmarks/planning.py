@@ -51,7 +51,7 @@ def main() -> None:
     """Only these: `python -m benchmarks.planning`."""
     from jaxsusp.optim.devices import configure
 
-    configure()
+    configure(keep=False)
     planning_rows(Console())
 
 

@@ -68,9 +68,6 @@ Output = Annotated[
     Path, typer.Option(help="Folder for what is written.", callback=checked(require_folder))
 ]
 RESULTS = Path("results")
-Cache = Annotated[
-    Path | None, typer.Option(help="Folder that keeps compiled programs for the next time.")
-]
 Json = Annotated[bool, flag("--json", "Print JSON instead of tables.")]
 
 

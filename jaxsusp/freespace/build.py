@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -12,8 +11,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from platformdirs import user_cache_path
 
+from jaxsusp._files import cache_folder
 from jaxsusp.errors import InputError, require, require_count, require_seed
 from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.cells.doorstep import opened
@@ -49,9 +48,6 @@ FINER = {"coverage": 0.99, "limit": 400}
 WAYS = 8
 """Distinct ways from start to goal that are kept, taut ones and level ones."""
 
-CACHE = "JAXSUSP_CACHE"
-"""Environment variable with the folder of the cache; empty means no cache."""
-
 
 class Growth(NamedTuple):
     """What a progress callback is told."""
@@ -78,7 +74,7 @@ def free_space(
 
     Regions are grown until start and goal are connected and the share of sampled free positions
     that lie in a region is reached. The answer is kept in a cache by the content of the scenario
-    and the settings (`JAXSUSP_CACHE` names the folder).
+    and the settings, see `jaxsusp._files.cache_folder`.
 
     Args:
         scenario: the task; any number of robots. Its start and goal may be inadmissible: the space
@@ -123,14 +119,13 @@ def free_space(
 
 
 def _cache_file(scenario: Scenario, settings: dict) -> Path | None:
-    given = os.environ.get(CACHE)
-    folder = user_cache_path("jaxsusp") if given is None else Path(given) if given else None
+    folder = cache_folder("free-space")
     if folder is None:
         return None
     task = scenario.digest, scenario.frame, scenario.troubles
     content = [FORMAT, version("jaxsusp"), *task, settings]
     digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
-    return folder / "free-space" / f"{digest[:32]}.nc"
+    return folder / f"{digest[:32]}.nc"
 
 
 class _Builder:

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
 from jaxsusp.geometry.cables import attachment
-from jaxsusp.geometry.obstacles import KINDS, Boxes, Cylinders, Obstacles, Spheres
+from jaxsusp.geometry.obstacles import KINDS, Boxes, Cylinders, Obstacles, Spheres, over_bodies
 from jaxsusp.geometry.segments import MEETS, SweptTests
 from jaxsusp.vec3 import Vec3, component, cross, norm, safe_sqrt
 
@@ -89,10 +89,9 @@ def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> In
 
         def add(hits, obstacle, held_against=HELD_AGAINST[kind]):
             found = held_against(obstacle, motion, bodies, cables, MEETS)
-            met = functools.reduce(operator.add, [each.astype(jnp.int32) for each in found])
-            return hits + jnp.where(obstacle.active, met, 0), None
+            return hits + functools.reduce(operator.add, [each.astype(jnp.int32) for each in found])
 
-        hits = jax.lax.scan(add, hits, getattr(obstacles, kind))[0]
+        hits = over_bodies(add, getattr(obstacles, kind), hits)
     return hits.sum(axis=0)
 
 

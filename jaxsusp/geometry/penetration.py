@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.collisions import HELD_AGAINST, Bodies, Motion, SweptCable, with_margin
 from jaxsusp.geometry.depths import DEPTHS
-from jaxsusp.geometry.obstacles import KINDS, Obstacles
+from jaxsusp.geometry.obstacles import KINDS, Obstacles, over_bodies
 from jaxsusp.vec3 import Vec3
 
 
@@ -76,9 +76,9 @@ def _summed(moving: _Moving, still: _Still) -> Array:
     for kind in KINDS:
 
         def add(total, obstacle, kind=kind):
-            return total + _counted(kind, obstacle, moving, still), None
+            return total + _counted(kind, obstacle, moving, still)
 
-        total = jax.lax.scan(add, total, getattr(still.obstacles, kind))[0]
+        total = over_bodies(add, getattr(still.obstacles, kind), total)
     return total.sum(axis=0)
 
 
@@ -95,9 +95,9 @@ def _forward(moving: _Moving, still: _Still) -> tuple[Array, _Moving]:
 
             value, back = jax.vjp(counted, moving)
             gradient = jax.tree.map(jnp.add, gradient, back(jnp.ones_like(value))[0])
-            return (total + value, gradient), None
+            return total + value, gradient
 
-        carry = jax.lax.scan(add, carry, getattr(still.obstacles, kind))[0]
+        carry = over_bodies(add, getattr(still.obstacles, kind), carry)
     total, gradient = carry
     return total.sum(axis=0), gradient
 
@@ -119,7 +119,7 @@ def _counted(kind: str, obstacle: Any, moving: _Moving, still: _Still) -> Array:
     cables = _all_cables(moving, bodies)
     depths = HELD_AGAINST[kind](obstacle, motion, bodies, cables, DEPTHS)
     amounts = [charge(depth / still.unit, still.band).sum(axis=0) for depth in depths]
-    return jnp.where(obstacle.active, functools.reduce(jnp.add, amounts), 0)
+    return functools.reduce(jnp.add, amounts)
 
 
 def _all_cables(moving: _Moving, bodies: Bodies) -> tuple[SweptCable, ...]:

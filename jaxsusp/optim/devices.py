@@ -1,4 +1,4 @@
-"""How a program of ours starts JAX on a CPU: one device per core, wide vectors.
+"""How a program of ours starts JAX: one device per core, wide vectors, compiled programs kept.
 
 The library itself sets nothing global; the command line, the benchmarks and the experiments call
 `configure` before anything touches a device.
@@ -7,13 +7,25 @@ The library itself sets nothing global; the command line, the benchmarks and the
 import hashlib
 import os
 import platform
+import stat
+import tempfile
+import warnings
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
 import jax
 
+from jaxsusp._files import cache_folder
+
 WIDE = "--xla_cpu_prefer_vector_width=512"
 """XLA uses half of a 512-bit unit by default; `make bench` times the fitness with all of it."""
+
+KEPT = 2**30
+"""Bytes of compiled programs that are kept: those of a thousand plans of different kinds."""
+
+WORTH = 0.2
+"""Seconds of compilation from which a program is kept: it takes 0.01 to 0.1 to load."""
 
 
 def cores() -> int:
@@ -23,30 +35,62 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def configure(devices: int | None = None, cache: str | os.PathLike[str] | None = None) -> None:
+def configure(devices: int | None = None, keep: bool = True) -> None:
     """Choose devices and code generation; only before the first computation.
 
     Args:
         devices: number of CPU devices; default one per core, or JAX_NUM_CPU_DEVICES if set.
-        cache: folder for a persistent compilation cache; default none. It holds executable code:
-            share it with nobody you do not trust. Every kind of machine and every version of
-            jaxlib gets a folder of its own in it.
-
-    Raises:
-        OSError: the cache cannot be written.
+        keep: whether compiled programs are kept for the next process, see `_keep_programs`.
     """
     flags = os.environ.get("XLA_FLAGS", "")
     if "xla_cpu_prefer_vector_width" not in flags and _has_wide_vectors():
         os.environ["XLA_FLAGS"] = f"{flags} {WIDE}".strip()
     if devices is not None or "JAX_NUM_CPU_DEVICES" not in os.environ:
         jax.config.update("jax_num_cpu_devices", devices or cores())
-    if cache is not None:
-        folder = Path(cache) / f"jaxlib-{version('jaxlib')}-{_machine()}"
-        folder.mkdir(parents=True, exist_ok=True)
-        jax.config.update("jax_compilation_cache_dir", str(folder))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.5)
-        # Loading a program logs, as an error, that tuning hints are no features of the machine.
-        jax.config.update("jax_logging_level", "CRITICAL")
+    if keep:
+        with suppress(OSError):  # where nothing can be kept it takes longer, and works
+            _keep_programs()
+
+
+def _keep_programs() -> None:
+    """Let JAX keep what it compiles in a folder of this person's, machine's and version's.
+
+    It holds executable code: a folder that others may write to is left alone. Where the person has
+    set up a cache of JAX's own (JAX_COMPILATION_CACHE_DIR), that one is used.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    # Loading a program logs, as an error, that tuning hints are no features of the machine.
+    jax.config.update("jax_logging_level", "CRITICAL")
+    all_kept = cache_folder("compiled")
+    if all_kept is None or jax.config.jax_compilation_cache_dir is not None:
+        return
+    folder = all_kept / f"jax-{jax.__version__}-{version('jaxlib')}-{_machine()}"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    there = folder.stat()
+    if there.st_uid != os.getuid() or there.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        return
+    tempfile.TemporaryFile(dir=folder).close()
+    _drop_oldest(all_kept)
+    warnings.filterwarnings("ignore", ".*persistent compilation cache", UserWarning)  # disk full
+    jax.config.update("jax_compilation_cache_dir", str(folder))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", WORTH)
+
+
+def _drop_oldest(folder: Path) -> None:
+    """Remove what was compiled longest ago until no more than `KEPT` is left."""
+    found = []
+    for file in folder.rglob("*"):
+        with suppress(FileNotFoundError):  # another process does the same
+            if file.is_file():
+                found.append((file.stat().st_mtime, file.stat().st_size, file))
+    left = sum(size for _, size, _ in found)
+    for _, size, file in sorted(found):
+        if left <= KEPT:
+            return
+        file.unlink(missing_ok=True)
+        left -= size
 
 
 def _has_wide_vectors() -> bool:

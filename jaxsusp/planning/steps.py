@@ -32,7 +32,7 @@ from jaxsusp.planning.waypoints import plan_through
 from jaxsusp.problem.hardturns import PRICE, gently
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import build_world, rounded_counts
+from jaxsusp.scenario.world import build_world, rounded_counts, rounded_up
 
 LEAST_FOR_ENDS = 30
 """Iterations of a search for ends at least; a third of those for the load if that is more."""
@@ -118,7 +118,7 @@ def plan_load(
     )
     if problem.regions is not None:
         count, rows, _ = problem.regions.table.shape
-        problem = problem.with_padded_regions(32 * -(-count // 32), 16 * -(-rows // 16))
+        problem = problem.with_padded_regions(rounded_up(count, 64), rounded_up(rows, 32))
     if not with_cables:
         suspension = problem.fitness
         assert isinstance(suspension, Suspension)

@@ -20,6 +20,9 @@ from jaxsusp.vec3 import Vec3
 _FAR = 1e15
 """Gauge of a region that only fills up; its square is a float32."""
 
+_TOGETHER = 4
+"""Regions that are looked at in one trip of the loop: one by one takes 1.7 times as long."""
+
 
 class Polytopes(NamedTuple):
     """Polytopes {x : rows · x - offsets <= 1 in every row}; the gauge is the greatest row's."""
@@ -70,7 +73,10 @@ def regions_of(space: FreeSpace, search: str) -> Regions | None:
 
 
 def pad_regions(regions: Regions, count: int, rows: int) -> Regions:
-    """The same regions with further ones that no point is near to, so that scenarios stack."""
+    """The same regions with further ones that no point is near to, so that scenarios stack.
+
+    They come last, and `keep_inside` spends no time on them.
+    """
     there, faces, _ = regions.table.shape
     table = np.pad(regions.table, [(0, count - there), (0, rows - faces), (0, 0)])
     table[there:, 0, 3] = -_FAR
@@ -90,14 +96,18 @@ def keep_inside(regions: Regions, point: Vec3) -> Vec3:
     whole = jnp.int64 if dtype == jnp.float64 else jnp.int32
     low = (1 << max(8, (count - 1).bit_length())) - 1  # the bits that hold a number
 
-    def visit(least: Array, region: tuple[Array, Array]) -> tuple[Array, None]:
-        number, table = region
-        bits = jax.lax.bitcast_convert_type(regions.gauge(table, point), whole)
-        return jnp.minimum(least, (bits & ~low) | number), None
+    tables = jnp.asarray(regions.table)
+    there = (tables[:, 0, 3] > -_FAR / 2).sum(dtype=jnp.int32)
 
-    each = jnp.arange(count, dtype=whole), regions.table
+    def visit(trip, least: Array) -> Array:
+        for i in range(_TOGETHER):
+            number = jnp.minimum(_TOGETHER * trip + i, there - 1)  # the last one again at the end
+            bits = jax.lax.bitcast_convert_type(regions.gauge(tables[number], point), whole)
+            least = jnp.minimum(least, (bits & ~low) | number.astype(whole))
+        return least
+
     start = jnp.full(point.x.shape, jnp.iinfo(whole).max, whole)
-    least, _ = jax.lax.scan(visit, start, each, unroll=4)  # 1 takes 1.7 times as long
+    least = jax.lax.fori_loop(0, (there + _TOGETHER - 1) // _TOGETHER, visit, start)
     gauge = jax.lax.bitcast_convert_type(least & ~low, dtype)
     center = regions.center.each(lambda c: c[least & low])
     lost = (low + 1) * jnp.finfo(dtype).eps  # of the gauge, relative

@@ -106,12 +106,20 @@ def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, ...]:
 
 
 def rounded_counts(scenario: Statement) -> tuple[int, ...]:
-    """Padded number of every kind, each a power of two from 2 up.
+    """Padded number of every kind: the same for all of them, 16, 64, 256, and so on.
 
-    For programs that meet one scenario after the other: those of about the same size share the
-    compiled program.
+    For programs that meet one scenario after the other: nearly all of them share the compiled
+    program, and padding costs no time (`geometry.obstacles.over_bodies`).
     """
-    return tuple(2 ** max(1, (count - 1).bit_length()) for count in obstacle_counts([scenario]))
+    most = max(obstacle_counts([scenario]))
+    return (rounded_up(most, 16),) * len(KINDS)
+
+
+def rounded_up(count: int, least: int) -> int:
+    """The first of least, 4 least, 16 least, … that is no less than a count."""
+    while least < count:
+        least *= 4
+    return least
 
 
 def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> World:

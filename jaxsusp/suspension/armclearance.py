@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Bool, Float, Int
-from jaxsusp.geometry.obstacles import Obstacles
+from jaxsusp.geometry.contacts import segments_clear
 from jaxsusp.geometry.segments import segment_distance
 from jaxsusp.mechanics import arm
 from jaxsusp.scenario.world import Robots, World
@@ -181,14 +181,8 @@ def _slack(world: World, robots: Robots, position: Vec3, ends, chains) -> Float[
     least = (jnp.minimum(load, cables) - robots.radius).min(axis=-1) - bodies.clearance
     least = jnp.minimum(least, own_link)
     wide = robots.radius + bodies.clearance
-    return jnp.where(_meets(world.obstacles, starts, stops, wide).any(axis=-1), -1, least)
-
-
-def _meets(obstacles: Obstacles, starts: Vec3, stops: Vec3, wide: Array) -> Array:
-    """Which thick segments meet an obstacle (boxes and cylinders are inflated with corners)."""
-    start, stop, wide = _spread(starts, 1), _spread(stops, 1), wide[..., None]
-    met = [_leading_axes(kind, wide.ndim - 1).met_by(start, stop, wide) for kind in obstacles]
-    return jnp.concatenate(met, axis=-1).any(axis=-1)
+    clear = segments_clear(starts, stops, wide, world.obstacles)
+    return jnp.where(clear.all(axis=-1), least, -1)
 
 
 def _parts(chains) -> tuple[Vec3, Vec3]:
@@ -204,7 +198,3 @@ def _spread(vector: Vec3, axes: int) -> Vec3:
 def _lead(vector: Vec3, axes: int) -> Vec3:
     """With so many axes of length one added in front."""
     return vector.each(lambda c: c.reshape(*(1,) * axes, *c.shape))
-
-
-def _leading_axes(kind, axes: int):
-    return jax.tree.map(lambda leaf: jnp.asarray(leaf).reshape(*(1,) * axes, -1), kind)

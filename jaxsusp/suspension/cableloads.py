@@ -1,5 +1,6 @@
 """What the cables carry along a motion: lengths, tensions at rest and with inertia, postures."""
 
+import functools
 from typing import NamedTuple
 
 import jax
@@ -12,7 +13,7 @@ from jaxsusp.mechanics.statics import force_tensions, weight
 from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
-from jaxsusp.suspension.hanging import Hanging, equilibrium
+from jaxsusp.suspension.hanging import Hanging, equilibrium, in_blocks
 from jaxsusp.suspension.levelload import ends_at, stability_of, tight_tension_limits
 from jaxsusp.vec3 import Vec3, pack_rows, rows_of
 
@@ -73,8 +74,9 @@ def cable_loads(
         held = np.broadcast_to(np.asarray(ends, np.float64), (count, cables, 3))
         if scenario.payload.attachments != "hook":
             return _turned(scenario, world, where, acceleration, held)
-        found = _at_hook(world, where, jnp.asarray(acceleration), jnp.asarray(held))
-        lengths, static, tensions, factor = map(np.asarray, found)
+        find = functools.partial(_at_hook, world)
+        rows = position, np.asarray(acceleration, np.float64), held
+        lengths, static, tensions, factor = in_blocks(find, rows)
     nothing = np.zeros(count)
     return Loads(
         lengths,
@@ -95,11 +97,17 @@ def _at_hook(world: World, position, acceleration, ends) -> tuple[Array, ...]:
     vectors = cable_vectors(where, world.bodies.attachments, packed)
     lengths, still = cable_lengths(vectors), weight(world.mass)
     limits = tight_tension_limits(world.limits, position.dtype)
-    static = force_tensions(vectors, lengths, still, limits)
     force = Vec3.from_array(acceleration) * world.mass + still
-    moving = force_tensions(vectors, lengths, force, limits)
-    columns = (jnp.stack(each, axis=-1) for each in (lengths, static, moving))
-    return *columns, stability_of(world, where, static, packed)
+    both = force.each(lambda c: jnp.zeros_like(c)) + still, force
+    # At rest and in motion in one go: more than three cables share their tensions by a loop, and
+    # the compiler then meets it once.
+    held = [vector.each(lambda c: jnp.stack([c, c])) for vector in vectors]
+    pull = Vec3(*(jnp.stack(each) for each in zip(*both, strict=True)))
+    tensions = force_tensions(held, [jnp.stack([each, each]) for each in lengths], pull, limits)
+    static = [each[0] for each in tensions]
+    columns = lengths, static, [each[1] for each in tensions]
+    factor = stability_of(world, where, static, packed)
+    return *(jnp.stack(each, axis=-1) for each in columns), factor
 
 
 def _turned(scenario: Scenario, world: World, position, acceleration, ends) -> Loads:

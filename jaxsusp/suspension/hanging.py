@@ -6,7 +6,7 @@ whether the load is in equilibrium, how far it turns, and whether it stays (`cab
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,7 +22,7 @@ from jaxsusp.mechanics.posture.redundant import hang_within
 from jaxsusp.mechanics.statics import GRAVITY, force_tensions
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
-from jaxsusp.scenario.world import World, build_world, cast_world
+from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
 from jaxsusp.suspension.levelload import ends_at, tight_tension_limits
 from jaxsusp.vec3 import Vec3, cross, norm, pack_rows, rows_of
 
@@ -92,7 +92,7 @@ def equilibrium(
         where = jnp.asarray(position, dtype)
         pull = jnp.broadcast_to(jnp.asarray(acceleration, dtype), where.shape)
         gravity = (-pull).at[..., 2].add(-GRAVITY)
-        world = cast_world(build_world(scenario), dtype)
+        world = cast_world(build_world(scenario, rounded_counts(scenario)), dtype)
         if ends is None:
             held = rows_of(ends_at(world, Vec3.from_array(where), scenario.drive))
         else:
@@ -100,19 +100,25 @@ def equilibrium(
         held = jnp.broadcast_to(held, (*where.shape[:-1], world.cables, 3))
         flat = where.reshape(-1, 3), gravity.reshape(-1, 3), held.reshape(-1, world.cables, 3)
         find = functools.partial(_at_hook if hook else _turned, world, jnp.asarray(start, dtype))
-        found = _in_blocks(find, flat)
+        found = in_blocks(find, flat)
         return jax.tree.map(lambda leaf: leaf.reshape(*where.shape[:-1], *leaf.shape[1:]), found)
 
 
-def _in_blocks(find: Callable[..., Hanging], rows: tuple[Array, ...]) -> Hanging:
-    """Apply a compiled function to blocks of one size, so that it is compiled but once."""
+def in_blocks(find: Callable[..., Any], rows: Sequence[Any]) -> Any:
+    """What a compiled function of rows finds, in blocks of one size: it is compiled but once.
+
+    Args:
+        find: takes blocks of rows, and returns a pytree of as many.
+        rows: arrays of JAX, or of NumPy (quicker: cutting them needs no compilation).
+    """
     count = len(rows[0])
     blocks = max(1, -(-count // BLOCK))
-    rows = tuple(
-        jnp.pad(each, [(0, blocks * BLOCK - count)] + [(0, 0)] * (each.ndim - 1)) for each in rows
-    )
+    numpy = rows[0].__array_namespace__()
+    rows = [
+        numpy.pad(each, [(0, blocks * BLOCK - count)] + [(0, 0)] * (each.ndim - 1)) for each in rows
+    ]
     found = [find(*(each[i * BLOCK : (i + 1) * BLOCK] for each in rows)) for i in range(blocks)]
-    return jax.tree.map(lambda *leaves: jnp.concatenate(leaves)[:count], *found)
+    return jax.tree.map(lambda *leaves: numpy.concatenate(leaves)[:count], *found)
 
 
 def hanging_trouble(scenario: Scenario, position: Float[Array, "xyz"] | Sequence) -> str:

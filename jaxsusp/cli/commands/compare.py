@@ -12,7 +12,6 @@ from jaxsusp.cli.interrupts import working
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
-    Cache,
     Json,
     Output,
     Population,
@@ -80,7 +79,6 @@ def compare(
         flag("--resume", "Go on from what is in the output folder; also adds runs."),
     ] = False,
     gap: Gap = False,
-    cache: Cache = None,
     as_json: Json = False,
 ) -> None:
     """Run every algorithm on every scenario; write tables, figures and compare.nc."""
@@ -98,7 +96,7 @@ def compare(
     from jaxsusp.optim import devices
     from jaxsusp.studies.random_scenario import random_scenarios
 
-    devices.configure(cache=cache)
+    devices.configure()
     working()
     with ProgressBar(Console(stderr=True)) as bar:
         try:

@@ -11,7 +11,6 @@ from jaxsusp.cli.application import command, interrupted, note, wide_console
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
-    Cache,
     Iterations,
     Json,
     Named,
@@ -69,7 +68,6 @@ def plan(
         typer.Option(help="Whether plans are played in simulation, and have to be followed there."),
     ] = True,
     output: Output = RESULTS,
-    cache: Cache = None,
     as_json: Json = False,
 ) -> None:
     """Plan a task: trajectory, cables, arms, all limits, certified clear.
@@ -90,7 +88,7 @@ def plan(
     from jaxsusp.report.plan.folder import write_plan
     from jaxsusp.scenario.scenario import load_scenario
 
-    devices.configure(cache=cache)
+    devices.configure()
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
     task, seen = load_scenario(scenario), set()
