@@ -2,8 +2,8 @@
 
 Every kind is padded to a fixed count; `active` is False for the padding, which never counts and
 follows what is there. What looks at bodies in turn (`over_bodies`) spends no time on it, so that
-programs for many obstacles serve few as well. Each kind tells which segments meet its bodies
-inflated by a margin, exactly but for an inflated corner; arrays of segments and of bodies broadcast.
+programs for many obstacles serve few as well. Each kind tells which segments meet its bodies,
+inflated by a margin, exactly but for an inflated corner; segments and bodies broadcast.
 """
 
 from collections.abc import Callable, Sequence
