@@ -1,10 +1,12 @@
 """Is a search the same, run by run or in distribution, where its task is stated otherwise?
 
-python experiments/similarity.py
+python experiments/similarity.py --algorithms pso,jde,cmaes,routed
 
-Forty runs of PSO on scenario 1 as it is, in survey coordinates, on a bench and on a building site;
+Forty runs on scenario 1 as it is, in survey coordinates, on a bench and on a building site;
 Wilcoxon's rank-sum test of their fitness against that of the first.
 """
+
+import argparse
 
 from scipy.stats import ranksums
 
@@ -22,19 +24,24 @@ FRAMES = {
 
 
 def main() -> None:
-    """Print one row per place and size as Markdown."""
+    """Print one row per algorithm, place and size as Markdown."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--algorithms", default="pso")
+    asked = parser.parse_args()
     configure()
     scenario = js.load_scenario("scenario-1")
-    print("| scenario 1 | mean fitness | clear | rank-sum p |")
-    print("| :--- | ---: | ---: | ---: |")
-    known = None
-    for name, frame in FRAMES.items():
-        ds = js.compare([restated(scenario, frame)], "pso", RUNS)
-        found = ds["fitness"].values[0, 0]
-        known = found if known is None else known
-        clear = int((ds["collisions"] + ds["violations"] == 0).sum())
-        p = ranksums(known, found).pvalue
-        print(f"| {name} | {found.mean():.1f} | {clear}/{RUNS} | {p:.2f} |", flush=True)
+    print("| scenario 1 | | mean fitness | clear | rank-sum p |")
+    print("| :--- | :--- | ---: | ---: | ---: |")
+    for algorithm in asked.algorithms.split(","):
+        known = None
+        for name, frame in FRAMES.items():
+            ds = js.compare([restated(scenario, frame)], algorithm, RUNS)
+            found = ds["fitness"].values[0, 0]
+            known = found if known is None else known
+            clear = int((ds["collisions"] + ds["violations"] == 0).sum())
+            p = ranksums(known, found).pvalue
+            row = f"{found.mean():.1f} | {clear}/{RUNS} | {p:.2f}"
+            print(f"| {algorithm} | {name} | {row} |", flush=True)
 
 
 if __name__ == "__main__":

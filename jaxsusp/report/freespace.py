@@ -33,6 +33,12 @@ from jaxsusp.suspension.misplaced import Misplaced
 
 ROUTE, SHADOW, FREE, WAY = "#C43C00", "#E3B7A0", "#0072B2", "#7A0177"
 
+NEAR = 0.25
+"""Own units of length from a section within which places and the route are drawn as in it."""
+
+HOLLOW = {"mfc": "none", "mec": LOAD}
+"""Start and goal in sections that do not hold them."""
+
 Polygon = Float[np.ndarray, "corners 2"]
 
 
@@ -48,6 +54,7 @@ def slices(scenario: Scenario, space: FreeSpace, blocked: Sequence[Misplaced] = 
     heights = _heights(scenario, space)
     all_axes = panels(figure, len(heights), sharey=True)
     unit, task = scenario.units.length, (scenario.task.start, scenario.task.goal)
+    near = NEAR * unit
     for axes, height in zip(all_axes, heights, strict=True):
         for body in bodies:
             _fill(axes, body.faces, height, scenario, facecolor=SHADOW, alpha=0.55, lw=0, zorder=1)
@@ -58,13 +65,19 @@ def slices(scenario: Scenario, space: FreeSpace, blocked: Sequence[Misplaced] = 
         for number, region in enumerate(space.regions):
             on_route = number in space.route
             _section(axes, region, height, scenario, on_route)
-        _route_from_above(axes, space, height, 0.25 * unit)
+        _route_from_above(axes, space, height, near)
         for name, place in (("start", scenario.task.start), ("goal", scenario.task.goal)):
-            axes.plot(*place[:2], "o", ms=5, mfc=LOAD, mec="white", zorder=8)
+            look = {"mfc": LOAD, "mec": "white"} if abs(place[2] - height) < near else HOLLOW
+            axes.plot(*place[:2], "o", ms=5, zorder=8, **look)
             axes.annotate(
                 name, place[:2], xytext=(6, 4), textcoords="offset points", fontsize=8, zorder=9
             )
-        paint_misplaced(axes, blocked, lambda place: place[:2])
+        paint_misplaced(
+            axes,
+            blocked,
+            lambda place: place[:2],
+            lambda place, height=height: bool(abs(place[2] - height) < near),
+        )
         axes.set_title(
             f"z = {height:.{decimals(unit)}f} m", loc="left", fontsize=10, fontweight="bold"
         )

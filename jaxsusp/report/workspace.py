@@ -39,8 +39,15 @@ def slices(space: Workspace, blocked: Sequence[Misplaced] = ()) -> Figure:
     places = _spread(task[0, across], middle[across], task[1, across], space.axes[across])
     cuts += [(across, place, (1 - across, 2)) for place in places]
     images = [_slice(axes, space, *cut) for axes, cut in zip(grid.flat, cuts, strict=True)]
-    for axes, (_, _, shown) in zip(grid.flat, cuts, strict=True):
-        paint_misplaced(axes, blocked, lambda place, shown=shown: place[list(shown)])
+    for axes, (normal, at, shown) in zip(grid.flat, cuts, strict=True):
+
+        def projected(place: np.ndarray, shown=shown) -> np.ndarray:
+            return place[list(shown)]
+
+        def in_slice(place: np.ndarray, normal=normal, at=at) -> bool:
+            return bool(abs(place[normal] - at) <= _pitch(space, normal))
+
+        paint_misplaced(axes, blocked, projected, in_slice)
     bar = figure.colorbar(images[0], ax=grid, shrink=0.7, aspect=30, pad=0.015)
     bar.set_label("margin of the tensions to their limits", fontsize=10, color=INK)
     bar.outline.set_edgecolor(QUIET)
@@ -122,7 +129,7 @@ def _landmarks(
     axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]
 ) -> None:
     """Start and goal, full in the slice that holds them and hollow in the others."""
-    pitch = float(np.diff(space.axes[normal]).max(initial=0.1 * space.scenario.units.length))
+    pitch = _pitch(space, normal)
     for name in ("start", "goal"):
         place = np.array(getattr(space.scenario.task, name))
         here = abs(place[normal] - at) <= pitch
@@ -132,6 +139,11 @@ def _landmarks(
             name, (x, y), xytext=(6, 5), textcoords="offset points", fontsize=8,
             color=INK if here else "#5F6670", zorder=6, path_effects=HALO,
         )  # fmt: skip
+
+
+def _pitch(space: Workspace, axis: int) -> float:
+    """From one layer of cells to the next (m)."""
+    return float(np.diff(space.axes[axis]).max(initial=0.1 * space.scenario.units.length))
 
 
 def _spread(first: float, middle: float, last: float, axis: np.ndarray) -> list[float]:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from jaxsusp._types import Float
-from jaxsusp.freespace.bodies import domain_of
+from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.polyhedra import HalfSpaces, nearest_point
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.scenario import admissible
@@ -65,17 +65,23 @@ def misplaced(scenario: Scenario, space: Workspace | FreeSpace) -> tuple[Misplac
 
     Args:
         scenario: read with `task_checked=False`, or else nothing is wrong with its task.
-        space: its workspace, of which the centres of cells that are usable are candidates, or its
-            free space, of which all positions are.
+        space: its workspace or its free space. Candidates are the nearest free places all round,
+            and what the map knows: centres of usable cells, or regions.
     """
-    near = _cells(space) if isinstance(space, Workspace) else _regions(scenario, space)
+    free, known = _Free(scenario, space), _known(scenario, space)
     found = []
     for place, at in (("task.start", scenario.task.start), ("task.goal", scenario.task.goal)):
         reasons = [line for line in scenario.troubles if line.startswith(place)]
         if not reasons and isinstance(space, FreeSpace) and f"{place} = " in space.reason:
             reasons = [space.reason]
         if reasons:
-            nearest = _admissible(scenario, place, near(np.array(at)))
+            beside = known(scenario.units.inside(at))
+            choices = (
+                _admissible(scenario, place, scenario.units.place(candidates))
+                for candidates in (beside, free.around(scenario.units.inside(at), beside))
+            )
+            there = [choice for choice in choices if choice is not None]
+            nearest = min(there, key=lambda choice: math.dist(choice, at), default=None)
             found.append(Misplaced(place, at, tuple(reasons), nearest))
     return tuple(found)
 
@@ -99,42 +105,66 @@ def _admissible(
     return None
 
 
-def _cells(space: Workspace) -> Callable[[np.ndarray], Places]:
-    """Centres of usable cells (m), those near to a place first."""
-    cells = np.argwhere(space.usable)
-    centres = np.stack([axis[n] for axis, n in zip(space.axes, cells.T, strict=True)], axis=-1)
-    return lambda at: _by_distance(centres, at)
+def _known(scenario: Scenario, space: Workspace | FreeSpace) -> Callable[[np.ndarray], Places]:
+    """What a map knows to be free, those near to a place first, in own units.
 
-
-def _regions(scenario: Scenario, space: FreeSpace) -> Callable[[np.ndarray], Places]:
-    """Free places (m) that stay free when they are rounded, those near to a place first.
-
-    Of every region the nearest place, and what is free on rays into all directions: the regions
-    leave out small corners.
+    Of a workspace the centres of usable cells; of a free space the nearest place in every region,
+    and its middle.
     """
-    units, own = scenario.units, space.own
-    inwards = 10.0 ** -_decimals(scenario) / units.length
-    hanging = _hanging(scenario.own)
-    domain = domain_of(scenario.own) & hanging
+    if isinstance(space, Workspace):
+        cells = np.argwhere(space.usable)
+        axes = zip(space.axes, cells.T, strict=True)
+        centres = scenario.units.inside(np.stack([axis[n] for axis, n in axes], axis=-1))
+        return lambda to: _by_distance(centres, to)
+    hanging, regions = _hanging(scenario.own), space.own.regions
+    rooms = [region.polytope & hanging for region in regions]
 
-    def free(points: Places) -> np.ndarray:
-        found = domain.excess(points) <= -inwards
-        for body in own.bodies:
-            found[found] = body.excess(points[found]) >= inwards
-        return found
-
-    def near(at: np.ndarray) -> Places:
-        to = units.inside(at)
-        rooms = [region.polytope & hanging for region in own.regions]
+    def near(to: np.ndarray) -> Places:
+        inwards = _inwards(scenario)
         found = [nearest_point(HalfSpaces(A, b - inwards), to).point for A, b in rooms]
         found = [point for point in found if point is not None]
-        found += [region.ellipsoid.d for region in own.regions]
-        if own.bodies:
-            reach = min((math.dist(each, to) for each in found), default=REACH)
-            found += [*_on_rays(free, to, reach)]
-        return _by_distance(units.place(np.array(found).reshape(-1, 3)), at)
+        found += [region.ellipsoid.d for region in regions]
+        return _by_distance(np.array(found).reshape(-1, 3), to)
 
     return near
+
+
+class _Free:
+    """Free places, whether in a region or cell or not, that stay free when they are rounded."""
+
+    def __init__(self, scenario: Scenario, space: Workspace | FreeSpace):
+        self.bodies = (
+            space.own.bodies
+            if isinstance(space, FreeSpace)
+            else [body.faces for body in bodies_of(scenario.own)]
+        )
+        self.domain = domain_of(scenario.own) & _hanging(scenario.own)
+        self.inwards = _inwards(scenario)
+
+    def holds(self, points: Places) -> np.ndarray:
+        found = self.domain.excess(points) <= -self.inwards
+        for body in self.bodies:
+            found[found] = body.excess(points[found]) >= self.inwards
+        return found
+
+    def around(self, to: np.ndarray, known: Places) -> Float[np.ndarray, "free xyz"]:
+        """The first free place on each of many rays from a point, no farther than the known."""
+        reach = math.dist(known[0], to) if len(known) else REACH
+        k = np.arange(RAYS) + 0.5
+        up, turn = 1 - 2 * k / RAYS, math.pi * (1 + math.sqrt(5)) * k  # evenly over the sphere
+        level = np.sqrt(1 - up**2)
+        rays = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
+        rays = np.concatenate([np.eye(3), -np.eye(3), rays])
+        steps = reach * np.arange(1, STEPS + 1) / STEPS
+        points = to + steps[:, None, None] * rays
+        clear = self.holds(points.reshape(-1, 3)).reshape(STEPS, -1)
+        first, some = clear.argmax(axis=0), np.flatnonzero(clear.any(axis=0))
+        return _by_distance(points[first[some], some], to)
+
+
+def _inwards(scenario: Scenario) -> float:
+    """Own units by which a place is inside, so that rounding leaves it there."""
+    return 10.0 ** -_decimals(scenario) / scenario.units.length
 
 
 def _hanging(scenario: Scenario) -> HalfSpaces:
@@ -147,20 +177,6 @@ def _hanging(scenario: Scenario) -> HalfSpaces:
     A = np.column_stack([sides[:, :2], np.zeros(len(sides))])
     b = -sides[:, 2] - sides[:, :2] @ offset
     return HalfSpaces(np.vstack([A, [0.0, 0.0, 1.0]]), np.append(b, height))
-
-
-def _on_rays(free: Callable[[Places], np.ndarray], to: np.ndarray, reach: float) -> Places:
-    """The first free place on each of many rays from a point, up to a distance."""
-    k = np.arange(RAYS) + 0.5
-    up, turn = 1 - 2 * k / RAYS, math.pi * (1 + math.sqrt(5)) * k  # evenly over the sphere
-    level = np.sqrt(1 - up**2)
-    rays = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
-    rays = np.concatenate([np.eye(3), -np.eye(3), rays])
-    steps = reach * np.arange(1, STEPS + 1) / STEPS
-    points = to + steps[:, None, None] * rays
-    clear = free(points.reshape(-1, 3)).reshape(STEPS, -1)
-    first, some = clear.argmax(axis=0), np.flatnonzero(clear.any(axis=0))
-    return points[first[some], some]
 
 
 def _by_distance(places: Places, at: np.ndarray) -> Places:

@@ -59,11 +59,11 @@ def test_the_nearest_place_is_admissible_and_near(blocked, kind, request):
     assert goal.words.endswith(" m away.")
 
 
-def test_of_the_map_it_is_the_nearest_usable_cell(blocked, cells):
+def test_of_the_map_no_usable_cell_is_nearer(blocked, cells):
     (start, _) = js.misplaced(blocked, cells)
     centres = np.stack(np.meshgrid(*cells.axes, indexing="ij"), axis=-1)[cells.usable]
     least = np.linalg.norm(centres - start.at, axis=1).min()
-    assert away(start) == pytest.approx(least, abs=2e-3)
+    assert away(start) < least + 2e-3
 
 
 def test_of_the_free_space_none_of_many_free_places_is_much_nearer(blocked, space):
@@ -73,6 +73,11 @@ def test_of_the_free_space_none_of_many_free_places_is_much_nearer(blocked, spac
     points = np.add(start.at, around)
     held = np.array([body.excess(points) > 0 for body in space.bodies]).all(axis=0)
     assert not (held & (points[:, 2] > 0.2)).any()
+
+
+def test_both_maps_know_of_the_same_place(blocked, cells, space):
+    for one, other in zip(js.misplaced(blocked, cells), js.misplaced(blocked, space), strict=True):
+        assert np.linalg.norm(np.subtract(one.nearest, other.nearest)) < 0.2
 
 
 def test_a_blocked_task_has_its_space_covered_and_no_route(blocked, space):

@@ -75,22 +75,30 @@ def paint_label(
     axes.text(x, y, text, path_effects=HALO, clip_on=True, **look)
 
 
-def paint_misplaced(axes: Axes, blocked: Iterable[Any], project: Callable) -> None:
+def paint_misplaced(
+    axes: Axes,
+    blocked: Iterable[Any],
+    project: Callable,
+    shown: Callable[[np.ndarray], bool] = lambda place: True,
+) -> None:
     """Crosses where the load must not be, and arrows to the nearest places where it may.
 
     Args:
         axes: of the picture.
         blocked: `suspension.misplaced.Misplaced`.
         project: from a place in the world to one in the picture.
+        shown: whether a place is in what the picture shows, a slice for instance; faint if not.
     """
     for each in blocked:
-        at = project(np.array(each.at))
-        axes.plot(*at, "X", zorder=9.6, **_CROSS)
+        place = np.array(each.at)
+        at = project(place)
+        axes.plot(*at, "X", zorder=9.6, **_CROSS, alpha=1 if shown(place) else _FAINT)
         if each.nearest is not None:
-            to = project(np.array(each.nearest))
+            nearest = np.array(each.nearest)
+            to, alpha = project(nearest), 1 if shown(nearest) else _FAINT
             arrow = {"arrowstyle": "->", "color": REFUGE, "lw": 1.4, "shrinkA": 0, "shrinkB": 0}
-            axes.annotate("", to, at, arrowprops=arrow, zorder=9.4)
-            axes.plot(*to, "o", zorder=9.5, **_RING)
+            axes.annotate("", to, at, arrowprops=arrow | {"alpha": alpha}, zorder=9.4)
+            axes.plot(*to, "o", zorder=9.5, **_RING, alpha=alpha)
 
 
 def misplaced_samples(blocked: Iterable[Any]) -> list[Line2D]:
@@ -104,6 +112,9 @@ def misplaced_samples(blocked: Iterable[Any]) -> list[Line2D]:
         entries.append(Line2D([], [], ls="", marker="o", label="nearest place for it", **_RING))
     return entries
 
+
+_FAINT = 0.3
+"""Opacity of what is elsewhere than the slice that a picture shows."""
 
 _CROSS = {"ms": 9, "mfc": ALARM, "mec": "white", "mew": 0.8}
 _RING = {"ms": 11, "mfc": "none", "mec": REFUGE, "mew": 1.8}  # seen around a cross as well

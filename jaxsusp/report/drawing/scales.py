@@ -15,9 +15,9 @@ FAR = 1e4
 NAMES = "xyz"
 
 
-def anchor(low: float, high: float) -> float:
+def anchor(low: float, high: float, far: float = FAR) -> float:
     """What a scale from low to high counts from (m): 0, or a round number far from there."""
-    if max(abs(low), abs(high)) < FAR:
+    if max(abs(low), abs(high)) < far:
         return 0.0
     step = 10.0 ** (math.ceil(math.log10(high - low)) + 1)
     return step * round((low + high) / 2 / step)

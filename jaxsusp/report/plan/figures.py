@@ -26,6 +26,9 @@ from jaxsusp.scenario.ownunits import in_words
 from jaxsusp.verify.constraints import INSTANTS
 
 AXES = {"x": PALETTE["pso"], "y": PALETTE["ga"], "z": PALETTE["dbo"]}
+FLATTENED = 5.0
+"""Sizes of the workspace beyond which a coordinate is counted from a round number near to it."""
+
 DASHES = (0, (5, 3))
 ACROSS = 4
 """Most panels beside each other where there is one per cable."""
@@ -50,9 +53,13 @@ def kinematics(plan: Plan) -> Figure:
 
 
 def _counted_from(plan: Plan) -> np.ndarray:
-    """What positions in curves are counted from (m): zero, but far away round numbers."""
+    """What positions in curves are counted from (m): zero, but far away round numbers.
+
+    Far is what would flatten the curves of x, y and z, which share a scale.
+    """
     box = plan.scenario.workspace
-    return np.array([anchor(*ends) for ends in zip(box.lower, box.upper, strict=True)])
+    far = FLATTENED * max(high - low for low, high in zip(box.lower, box.upper, strict=True))
+    return np.array([anchor(*ends, far) for ends in zip(box.lower, box.upper, strict=True)])
 
 
 def _position_name(plan: Plan) -> str:
