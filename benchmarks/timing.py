@@ -33,7 +33,7 @@ class Process(NamedTuple):
 
 
 def run_process(*arguments: str, folder: Path) -> Process:
-    """Wall time and peak memory of `python -m jaxsusp …` that finds what `folder` keeps, no more."""
+    """Wall time and peak memory of `python -m jaxsusp …`; what it keeps is kept in `folder`."""
     clock = time.perf_counter()
     subprocess.run(
         [sys.executable, "-m", "jaxsusp", *arguments, "--output", str(folder)],
