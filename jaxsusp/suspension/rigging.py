@@ -6,7 +6,7 @@ ask for the whole system.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import jax
@@ -21,6 +21,7 @@ from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of, build_world, cast_world, rounded_counts
 from jaxsusp.suspension.armclearance import choose_elbows
 from jaxsusp.suspension.cableloads import Loads, cable_loads
+from jaxsusp.suspension.hanging import in_blocks
 from jaxsusp.suspension.levelload import ends_at
 from jaxsusp.trajectory.smoothpath import Spline
 from jaxsusp.trajectory.timelaw import TimeLaw
@@ -133,8 +134,8 @@ class Rigging:
     ) -> Float[np.ndarray, "times cables joints"]:
         """Joint angles that hold ends (rad); continuous in time, φ1 beyond ±π if it must be."""
         with jax.enable_x64(True):
-            arrays = self.bases_at(ends), self.links, ends, self.elbow_up
-            joints = np.asarray(_held(*map(jnp.asarray, arrays)))
+            held = partial(_held, self.links, self.elbow_up)
+            joints = in_blocks(held, (self.bases_at(ends), ends))
         return np.concatenate([np.unwrap(joints[..., :1], axis=0), joints[..., 1:]], axis=-1)
 
     def chains_at(
@@ -142,8 +143,8 @@ class Rigging:
     ) -> Float[np.ndarray, "times cables points=4 xyz"]:
         """Foot, shoulder, elbow and end of every robot (m)."""
         with jax.enable_x64(True):
-            arrays = self.bases_at(ends), self.links, self.joints_at(ends)
-            return np.asarray(_chains(*map(jnp.asarray, arrays)))
+            chains = partial(_chains, self.links)
+            return in_blocks(chains, (self.bases_at(ends), self.joints_at(ends)))
 
     def loads(self, times: Float[np.ndarray, "times"]) -> Loads:
         """Lengths, tensions and postures at times (s)."""
@@ -155,13 +156,13 @@ class Rigging:
 
 
 @jax.jit
-def _held(bases, links, ends, up):
+def _held(links, up, bases, ends):
     found = arm.inverse(bases, links[None], ends)
     return jnp.where(up[None, :, None], found.elbow_up, found.elbow_down)
 
 
 @jax.jit
-def _chains(bases, links, joints):
+def _chains(links, bases, joints):
     return arm.chain(bases, links[None], joints)
 
 
