@@ -8,21 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from platformdirs import user_cache_path
-
 from jaxsusp.errors import InputError, require
-
-CACHE, NO_CACHE = "JAXSUSP_CACHE", "JAXSUSP_NO_CACHE"
-"""Environment variables: another folder for what is kept for the next time (empty: nothing is
-kept), and, set to anything but 0, that nothing is."""
-
-
-def cache_folder(kind: str) -> Path | None:
-    """Where what is kept for the next time is kept, by its kind; None where nothing is to be."""
-    given = os.environ.get(CACHE)
-    if given == "" or os.environ.get(NO_CACHE, "0") not in ("", "0"):
-        return None
-    return (Path(given) if given else user_cache_path("jaxsusp")) / kind
 
 
 @contextmanager

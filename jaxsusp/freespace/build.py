@@ -5,14 +5,13 @@ import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from importlib.metadata import version
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp._files import cache_folder
+from jaxsusp._cache import cache_folder, code_digest, drop_oldest, used
 from jaxsusp.errors import InputError, require, require_count, require_seed
 from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.cells.doorstep import opened
@@ -29,7 +28,7 @@ from jaxsusp.freespace.orientation import (
 )
 from jaxsusp.freespace.polyhedra import Point, Points, irredundant
 from jaxsusp.freespace.routes import WaySearch
-from jaxsusp.freespace.space import FORMAT, FreeSpace, assemble, load_free_space
+from jaxsusp.freespace.space import FreeSpace, assemble, load_free_space
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.world import lowest
 
@@ -47,6 +46,9 @@ FINER = {"coverage": 0.99, "limit": 400}
 
 WAYS = 8
 """Distinct ways from start to goal that are kept, taut ones and level ones."""
+
+_CODE = ("freespace", "geometry", "scenario")
+"""Rooms whose code decides what a free space comes to."""
 
 
 class Growth(NamedTuple):
@@ -74,7 +76,7 @@ def free_space(
 
     Regions are grown until start and goal are connected and the share of sampled free positions
     that lie in a region is reached. The answer is kept in a cache by the content of the scenario
-    and the settings, see `jaxsusp._files.cache_folder`.
+    and the settings, see `jaxsusp._cache`.
 
     Args:
         scenario: the task; any number of robots. Its start and goal may be inadmissible: the space
@@ -110,11 +112,14 @@ def free_space(
     file = _cache_file(scenario, settings) if cache else None
     if file:
         with suppress(InputError, OSError):  # missing or damaged: it is built and written
-            return load_free_space(file).stated(asked.units)
+            known = load_free_space(file)
+            used(file)
+            return known.stated(asked.units)
     space = _Builder(scenario, settings, progress).build()
     if file:
         with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
             space.save(file)
+            drop_oldest(file.parent)
     return space.stated(asked.units)
 
 
@@ -123,7 +128,7 @@ def _cache_file(scenario: Scenario, settings: dict) -> Path | None:
     if folder is None:
         return None
     task = scenario.digest, scenario.frame, scenario.troubles
-    content = [FORMAT, version("jaxsusp"), *task, settings]
+    content = [code_digest(*_CODE), *task, settings]
     digest = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
     return folder / f"{digest[:32]}.nc"
 

@@ -21,7 +21,7 @@ from jaxsusp.freespace.polylines import length
 from jaxsusp.scenario.ownunits import UNCHANGED, Frame
 
 FORMAT = 4
-"""Version of the file's layout and of what builds it: a cache keeps nothing of another one."""
+"""Version of the file's layout."""
 
 _DIMS: dict[str, tuple[str, ...]] = {
     "A": ("region", "face", "axis"),

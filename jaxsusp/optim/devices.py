@@ -16,13 +16,10 @@ from pathlib import Path
 
 import jax
 
-from jaxsusp._files import cache_folder
+from jaxsusp._cache import cache_folder, drop_oldest
 
 WIDE = "--xla_cpu_prefer_vector_width=512"
 """XLA uses half of a 512-bit unit by default; `make bench` times the fitness with all of it."""
-
-KEPT = 2**30
-"""Bytes of compiled programs that are kept: those of a thousand plans of different kinds."""
 
 WORTH = 0.2
 """Seconds of compilation from which a program is kept: it takes 0.01 to 0.1 to load."""
@@ -72,25 +69,10 @@ def _keep_programs() -> None:
     if there.st_uid != os.getuid() or there.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
         return
     tempfile.TemporaryFile(dir=folder).close()
-    _drop_oldest(all_kept)
+    drop_oldest(all_kept)
     warnings.filterwarnings("ignore", ".*persistent compilation cache", UserWarning)  # disk full
     jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", WORTH)
-
-
-def _drop_oldest(folder: Path) -> None:
-    """Remove what was compiled longest ago until no more than `KEPT` is left."""
-    found = []
-    for file in folder.rglob("*"):
-        with suppress(FileNotFoundError):  # another process does the same
-            if file.is_file():
-                found.append((file.stat().st_mtime, file.stat().st_size, file))
-    left = sum(size for _, size, _ in found)
-    for _, size, file in sorted(found):
-        if left <= KEPT:
-            return
-        file.unlink(missing_ok=True)
-        left -= size
 
 
 def _has_wide_vectors() -> bool:

@@ -1,0 +1,99 @@
+"""What is kept for the next time: where, by what it is known, and how much of it.
+
+Free spaces and compiled programs take seconds to make and milliseconds to read. Several processes
+may read, write and remove at once: files are whole or not there, and one that is gone is made anew.
+"""
+
+import functools
+import hashlib
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from platformdirs import user_cache_path
+
+CACHE, NO_CACHE = "JAXSUSP_CACHE", "JAXSUSP_NO_CACHE"
+"""Environment variables: another folder than the user's (empty: nothing is kept), and, set to
+anything but 0, that nothing is kept."""
+
+KINDS = {"free-space": "free spaces", "compiled": "compiled programs"}
+"""Folders, and what is in them."""
+
+LIMIT = 2**30
+"""Bytes that are kept of each kind; what was used longest ago makes way."""
+
+
+class Kept(NamedTuple):
+    """One kind of what is kept."""
+
+    kind: str
+    files: int
+    size: int  # bytes
+
+
+def cache_folder(kind: str) -> Path | None:
+    """Where a kind of `KINDS` is kept; None where nothing is to be kept."""
+    given = os.environ.get(CACHE)
+    if given == "" or os.environ.get(NO_CACHE, "0") not in ("", "0"):
+        return None
+    return (Path(given) if given else user_cache_path("jaxsusp")) / kind
+
+
+def drop_oldest(folder: Path, limit: int = LIMIT) -> None:
+    """Remove what was used longest ago until no more than so many bytes are left."""
+    found = sorted(_files(folder))
+    left = sum(size for _, size, _ in found)
+    for _, size, file in found:
+        if left <= limit:
+            return
+        file.unlink(missing_ok=True)
+        left -= size
+
+
+def used(file: Path) -> None:
+    """Note that a file was of use, so that it stays."""
+    with suppress(OSError):
+        os.utime(file)
+
+
+def contents() -> list[Kept]:
+    """What there is of every kind."""
+    found = []
+    for kind in KINDS:
+        folder = cache_folder(kind)
+        sizes = [size for _, size, _ in _files(folder)] if folder else []
+        found.append(Kept(kind, len(sizes), sum(sizes)))
+    return found
+
+
+def clear() -> None:
+    """Remove all of it.
+
+    Raises:
+        OSError: a file cannot be removed.
+    """
+    for kind in KINDS:
+        if folder := cache_folder(kind):
+            for _, _, file in _files(folder):
+                file.unlink(missing_ok=True)
+
+
+@functools.cache
+def code_digest(*rooms: str) -> str:
+    """What the code of some rooms of the package is: another one would compute something else."""
+    digest = hashlib.sha256()
+    for room in rooms:
+        for file in sorted((Path(__file__).parent / room).rglob("*.py")):
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _files(folder: Path) -> Iterator[tuple[float, int, Path]]:
+    """Every file with the time of its last use (s) and its size (bytes)."""
+    for file in folder.rglob("*"):
+        with suppress(FileNotFoundError):  # another process removed it
+            stat = file.stat()
+            if file.is_file():
+                yield stat.st_mtime, stat.st_size, file
