@@ -29,6 +29,7 @@ def answer(*arguments: str) -> tuple[str, str]:
 
 COMMANDS = [
     *("compare", "report", "plan", "verify", "freespace", "workspace", "scenarios", "algorithms"),
+    "cache",
 ]
 
 
