@@ -6,12 +6,17 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).parents[1]
 
-SHORT = {
-    "js.compare": "runs=4, iterations=40, population=30",  # with ga, as in other tests
-    "js.plan(": "runs=2, iterations=60, population=20",
-    "": "runs=2, iterations=6, population=8",
+SHORTER = {
+    r'js\.plan\("scenario-1"': r'\g<0>, "pso", runs=2, iterations=60, population=20, seed=1',
+    r'(js\.compare\(\["scenario-1"\].*?), runs=20': (
+        r'\1, runs=2, iterations=6, population=8, search="box"'
+    ),
+    r'(js\.compare\()(algorithms=\[)"pso"(.*), runs=20': (
+        r'\1["scenario-1", "scenario-3"], \2"ga"\3, runs=4, iterations=40, population=30'
+    ),
+    r"runs=20": "runs=2, iterations=6, population=8",
 }
-"""What takes the place of an example's number of runs, by what it calls."""
+"""What an example says, and what it says in a test: sizes that other tests compile as well."""
 
 
 class Example(NamedTuple):
@@ -30,14 +35,8 @@ def examples(page: Path, language: str) -> list[Example]:
 
 
 def run(example: Example) -> None:
-    """Run a program with few runs and iterations, and where it names none with two scenarios.
-
-    The sizes are those of other tests, whose compiled programs it shares.
-    """
+    """Run a program with few runs and iterations."""
     code = example.text
-    few = next(short for call, short in SHORT.items() if call in code)
-    code = re.sub(r"runs=\d+(, iterations=\d+)?", few, code).replace('["pso", ', '["ga", ')
-    code = code.replace(
-        "js.compare(algorithms", 'js.compare(["scenario-1", "scenario-3"], algorithms'
-    )
+    for said, shorter in SHORTER.items():
+        code = re.sub(said, shorter, code)
     exec(compile(code, example.name, "exec"), {"__name__": "example"})

@@ -6,11 +6,13 @@ documents, or two pages do, is a warning, which ends a strict build.
 """
 
 import ast
+import functools
+import importlib
+import inspect
 import io
 import re
 import tokenize
 from collections import Counter
-from functools import cache
 from pathlib import Path
 
 import griffe
@@ -26,13 +28,13 @@ STUB = ROOT / "jaxsusp" / "__init__.pyi"
 _logger = logging.getLogger(__name__)
 
 
-@cache
+@functools.cache
 def package() -> griffe.Object:
     """The package, with its public names as aliases of where they live."""
     return griffe.load("jaxsusp", search_paths=[str(ROOT)], docstring_parser="google")
 
 
-@cache
+@functools.cache
 def public_names() -> tuple[str, ...]:
     """All names that the stub beside `__init__.py` lists, in its order."""
     body = ast.parse(STUB.read_text(encoding="utf-8")).body
@@ -82,7 +84,8 @@ def _signature(function: griffe.Function, returns: bool = True) -> str:
         if each.annotation is not None:
             text += f": {_annotation(each.annotation)}"
         if each.default is not None and not mark:
-            text += f" = {each.default}" if each.annotation is not None else f"={each.default}"
+            default = _default(function, each)
+            text += f" = {default}" if each.annotation is not None else f"={default}"
         shown.append(text)
     told = returns and function.returns is not None
     arrow = f" -> {_annotation(function.returns)}" if told else ""
@@ -197,20 +200,26 @@ def check(app: Sphinx, env) -> None:
             _logger.warning("public name %s: documented %d times, not once", name, found[name])
 
 
-_LONE_AXIS = re.compile(r"""(\[(?:np\.ndarray|Array), )['"](\w+)['"]\]""")
+_LONE_AXIS = re.compile(r"(\[(?:np\.ndarray|Array), )(\w+|\.\.\.)\]")
 
 
 def _annotation(expression: object) -> str:
-    """As it was written; a blank keeps Sphinx from taking a single axis for the name of a type."""
-    return _LONE_AXIS.sub(r'\1" \2"]', str(expression))
+    """As it was written; griffe takes a single axis for the name of a type."""
+    return _LONE_AXIS.sub(r'\1"\2"]', str(expression))
 
 
-def unblank(app: Sphinx, doctree: nodes.document) -> None:
-    """Take the blanks of `_annotation` out again."""
-    for signature in doctree.findall(addnodes.desc_signature):
-        for text in list(signature.findall(nodes.Text)):
-            if "' " in text:
-                text.parent.replace(text, nodes.Text(text.replace("' ", "'")))
+def _default(function: griffe.Function, parameter: griffe.Parameter) -> str:
+    """As it was written where that is a plain value, else what it is."""
+    written = str(parameter.default)
+    try:
+        ast.literal_eval(written)
+    except ValueError:
+        module = importlib.import_module(function.module.path)
+        names = function.path.removeprefix(f"{function.module.path}.").split(".")
+        actual = inspect.signature(functools.reduce(getattr, names, module))
+        value = actual.parameters[parameter.name].default
+        return repr(value) if isinstance(value, str | int | float | tuple) else written
+    return written
 
 
 def link(app: Sphinx, doctree: nodes.document) -> None:
@@ -235,5 +244,4 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("env-purge-doc", forget)
     app.connect("env-check-consistency", check)
     app.connect("doctree-read", link)
-    app.connect("doctree-read", unblank)
     return {"parallel_read_safe": False, "parallel_write_safe": True}
