@@ -3,6 +3,7 @@
 `make docs` checks the rest while it builds: what pages run, every link, every public name.
 """
 
+import importlib
 import re
 import sys
 from collections import Counter
@@ -51,6 +52,16 @@ def test_files_and_targets_exist(page):
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
     for path in re.findall(r"`((?:jaxsusp|tests|experiments)/[\w/.-]+)`", text):
         assert (pages.ROOT / path).exists(), path
+
+
+@pytest.mark.fast
+def test_functions_that_draw_are_where_the_page_says():
+    text = (DOCS / "howto" / "figures.md").read_text(encoding="utf-8")
+    rows = re.findall(r"\| ((?:`\w+`(?:, )?)+) in `(jaxsusp\.[\w.]+)` \|", text)
+    assert len(rows) == 7
+    for names, module in rows:
+        for name in re.findall(r"\w+", names):
+            assert callable(getattr(importlib.import_module(module), name))
 
 
 @pytest.mark.fast
