@@ -1,6 +1,6 @@
 """`{public} NAME …` documents public names from their source, as it stands there.
 
-Read with griffe, without importing anything: annotations read as they were written
+Read with griffe rather than from what was imported: annotations read as they were written
 (`Float[Array, "pop dim"]`), and fields keep the comments beside them. A public name that no page
 documents, or two pages do, is a warning, which ends a strict build.
 """
@@ -218,7 +218,7 @@ def _default(function: griffe.Function, parameter: griffe.Parameter) -> str:
         names = function.path.removeprefix(f"{function.module.path}.").split(".")
         actual = inspect.signature(functools.reduce(getattr, names, module))
         value = actual.parameters[parameter.name].default
-        return repr(value) if isinstance(value, str | int | float | tuple) else written
+        return repr(value) if type(value) in (str, int, float, tuple) else written
     return written
 
 
