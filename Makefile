@@ -1,16 +1,17 @@
-# make compare · make test · make test-fast · make figures · make bench · make reference · make check
+# make compare · make test · make test-fast · make figures · make bench · make reference · make docs · make check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 REFERENCE := .venv-reference
+DOCS := .venv-docs
 
 # One CPU device per core: runs are sharded over devices, lanes are vectorised within each.
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-fast figures bench reference check format clean
+.PHONY: help setup compare test test-fast figures bench reference docs check format clean
 
 help:
 	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
@@ -19,6 +20,7 @@ help:
 	@echo "make figures    redraw the table and figures of results/compare.nc"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
 	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake (own environment)"
+	@echo "make docs       the site, in site/ (own environment); every warning is an error"
 	@echo "make check      lint, format, types, dead code, and the rules of the house"
 
 define new_environment
@@ -37,6 +39,9 @@ $(VENV)/.current: pyproject.toml constraints.txt
 
 $(REFERENCE)/.current: pyproject.toml constraints.txt
 	$(call new_environment,$(REFERENCE),--group reference)
+
+$(DOCS)/.current: pyproject.toml constraints.txt
+	$(call new_environment,$(DOCS),--group docs)
 
 compare: setup
 	$(BIN)/jaxsusp compare --output results
@@ -57,6 +62,11 @@ bench: setup $(REFERENCE)/.current
 reference: $(REFERENCE)/.current
 	$(REFERENCE)/bin/python -m pytest tests/reference
 
+docs: $(DOCS)/.current
+	rm -rf site
+	$(DOCS)/bin/sphinx-build --fresh-env --fail-on-warning --doctree-dir build/docs/doctrees --quiet docs site
+	$(DOCS)/bin/python docs/links.py site
+
 check: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -69,4 +79,4 @@ format: setup
 	$(BIN)/ruff format .
 
 clean:
-	rm -rf $(VENV) $(REFERENCE) build dist .pytest_cache .ruff_cache
+	rm -rf $(VENV) $(REFERENCE) $(DOCS) build dist site .pytest_cache .ruff_cache
