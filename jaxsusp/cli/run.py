@@ -1,7 +1,16 @@
-"""All commands in the order of `jaxsusp --help`, and how they fail."""
+"""All commands, and how they fail."""
 
 from jaxsusp.cli.application import app, fail
-from jaxsusp.cli.commands import compare, freespace, listing, plan, verify, workspace  # noqa: F401  commands
+from jaxsusp.cli.commands import (  # noqa: F401  commands
+    check,
+    compare,
+    freespace,
+    listing,
+    new,
+    plan,
+    verify,
+    workspace,
+)  # fmt: skip
 from jaxsusp.errors import InputError
 
 
