@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxsusp._showing import Shown
 from jaxsusp._types import Float
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.build import free_space
@@ -35,7 +36,7 @@ class Holding(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Examination:
+class Examination(Shown):
     """What is known of a task before it is planned; numbers in SI units.
 
     Attributes:
