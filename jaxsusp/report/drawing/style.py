@@ -71,7 +71,7 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=DPI / 2)
+        self.savefig(buffer, format="png", dpi=0.4 * DPI)
         return buffer.getvalue()
 
 
