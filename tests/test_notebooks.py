@@ -9,7 +9,7 @@ import pytest
 
 FOLDER = Path(__file__).parents[1] / "notebooks"
 sys.path.append(str(FOLDER))
-import execute
+import execute  # noqa: E402  found on the path above
 
 NAMES = [path.name for path in execute.notebooks()]
 

@@ -31,7 +31,7 @@ def picture(html: str) -> bytes:
 def test_a_scenario(scenarios):
     html = scenarios[2]._repr_html_()
     assert "<b>scenario-3</b>" in html
-    assert "<td style=\"text-align:left\">8</td>" in html
+    assert '<td style="text-align:left">8</td>' in html
     assert len(picture(html)) < 150_000
 
 
