@@ -4,6 +4,7 @@ What differs from one execution to the next and tells nothing (times, counts, th
 what libraries write to stderr) is not kept: a change in a file is a change in what it says.
 """
 
+import os
 import sys
 from pathlib import Path
 
@@ -35,7 +36,8 @@ def executed(path: Path) -> NotebookNode:
         notebook, timeout=TIMEOUT, kernel_name="python3", record_timing=False,
         resources={"metadata": {"path": str(FOLDER)}},
     )  # fmt: skip
-    client.execute()
+    paths = filter(None, [str(FOLDER.parent), os.environ.get("PYTHONPATH")])  # this very checkout
+    client.execute(env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)})
     return normalised(notebook)
 
 
