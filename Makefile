@@ -1,4 +1,4 @@
-# make compare · make test · make test-fast · make figures · make bench · make reference · make docs · make check
+# make compare · test · test-fast · figures · notebooks · lab · bench · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -11,16 +11,19 @@ DOCS := .venv-docs
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-fast figures bench reference docs check format clean
+.PHONY: help setup compare test test-fast figures notebooks lab bench reference docs dist dist-check
+.PHONY: check format clean
 
 help:
 	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
 	@echo "make test       the test suite"
 	@echo "make test-fast  at least one test of every room, for the edit loop"
 	@echo "make figures    redraw the table and figures of results/compare.nc"
+	@echo "make notebooks  execute the notebooks and keep their outputs; make lab opens JupyterLab"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
 	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake (own environment)"
 	@echo "make docs       the site, in site/ (own environment); every warning is an error"
+	@echo "make dist       sdist and wheel; make dist-check installs the wheel alone and plans with it"
 	@echo "make check      lint, format, types, dead code, and the rules of the house"
 
 define new_environment
@@ -49,6 +52,16 @@ compare: setup
 figures: setup
 	$(BIN)/jaxsusp report results/compare.nc --output results
 
+notebooks: setup
+	$(BIN)/python notebooks/execute.py
+
+lab: $(VENV)/.lab
+	$(BIN)/jupyter lab notebooks
+
+$(VENV)/.lab: $(VENV)/.current
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --group lab
+	@touch $@
+
 test: setup
 	$(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
@@ -66,6 +79,13 @@ docs: $(DOCS)/.current
 	rm -rf site
 	$(DOCS)/bin/sphinx-build --fresh-env --fail-on-warning --doctree-dir build/docs/doctrees --quiet docs site
 	$(DOCS)/bin/python docs/links.py site
+
+dist: setup
+	rm -rf dist
+	$(BIN)/python -m hatchling build
+
+dist-check: dist
+	$(BIN)/python tests/installed.py dist/*.whl
 
 check: setup
 	$(BIN)/ruff check .

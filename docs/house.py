@@ -13,7 +13,7 @@ from pathlib import Path
 DOCS = Path(__file__).resolve().parent
 PACKAGE = DOCS.parent / "jaxsusp"
 
-ROOT = ("errors", "_types", "_files", "_cache", "vec3")
+ROOT = ("errors", "_types", "_files", "_cache", "_showing", "vec3")
 """Modules at the root that any room may import; beside them only `__init__` and `__main__`."""
 
 ROOMS = {

@@ -14,10 +14,22 @@ import threading
 
 import lazy_loader
 
+from jaxsusp._showing import draw_with
+
 __version__ = "0.1.0"
 
 _lazy, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 _lock = threading.RLock()
+
+
+def _drawn(thing: object) -> str | None:
+    """A thing of ours as a small table and a picture, for notebooks."""
+    from jaxsusp.report.html import shown
+
+    return shown(thing)
+
+
+draw_with(_drawn)
 
 
 def __getattr__(name: str):

@@ -77,6 +77,10 @@ from .coordination.leastvariance import moving_ends as moving_ends
 from .coordination.leastvariance import fixed_ends as fixed_ends
 from .coordination.leastvariance import Coordination as Coordination
 
+# a task looked at before it is planned
+from .planning.prospects.examination import examine as examine
+from .planning.prospects.examination import Examination as Examination
+
 # plans
 from .planning.planner import plan as plan
 from .planning.plan import Plan as Plan

@@ -37,7 +37,7 @@ jax.config.update("jax_numpy_rank_promotion", "raise")
 
 LONGEST = [
     *("test_compare", "test_examples", "test_contract", "test_planner", "test_batch"),
-    *("test_cli_compare", "test_similarity"),
+    *("test_cli_compare", "test_similarity", "test_notebooks"),
     *("test_leastvariance", "test_search", "test_space", "test_ends", "test_equilibrium"),
     *("test_plans", "test_dbo", "test_readme", "test_cli_freespace"),
 ]

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from jaxsusp._files import require_folder
+from jaxsusp.cli.completion import one_of, scenario_names
 from jaxsusp.errors import require, require_count, require_known, require_seed
 from jaxsusp.optim.choices import ALGORITHMS
 from jaxsusp.problem.choices import SEARCHES
@@ -49,7 +50,14 @@ def flag(name: str, meaning: str):
     return typer.Option(name, help=meaning, metavar="")
 
 
-Named = Annotated[str, typer.Argument(metavar="SCENARIO", help="A built-in name or a TOML file.")]
+Named = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENARIO",
+        help="A built-in name or a TOML file.",
+        autocompletion=scenario_names,
+    ),
+]
 Runs = Annotated[int, count("Independent runs.")]
 Iterations = Annotated[int, count("Iterations per run.")]
 Population = Annotated[int, count("Candidates per iteration.")]
@@ -60,7 +68,8 @@ Search = Annotated[
     str,
     typer.Option(
         help='What waypoints are kept in: polytopes of the "free-space", the paper\'s '
-        '"ellipsoid"s in them, or the "box" of the workspace.'
+        '"ellipsoid"s in them, or the "box" of the workspace.',
+        autocompletion=one_of(SEARCHES),
     ),
 ]
 SEARCH = SEARCHES[0]

@@ -1,15 +1,17 @@
-"""All commands in the order of `jaxsusp --help`, and how they fail."""
+"""All commands, and how they fail."""
 
 from jaxsusp.cli.application import app, fail
 from jaxsusp.cli.commands import (  # noqa: F401  commands
     cache,
+    check,
     compare,
     freespace,
     listing,
+    new,
     plan,
     verify,
     workspace,
-)
+)  # fmt: skip
 from jaxsusp.errors import InputError
 
 

@@ -21,6 +21,7 @@ import xarray as xr
 
 from jaxsusp._files import write_netcdf
 from jaxsusp.comparison.earlier import ADDED, brought_up_to_date
+from jaxsusp.comparison.overview import Overview as Overview  # registers `ds.jaxsusp`
 from jaxsusp.errors import InputError
 from jaxsusp.optim.devices import cores
 

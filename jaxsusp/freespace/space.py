@@ -12,6 +12,7 @@ import xarray as xr
 from jaxtyping import Bool, Float, Int
 
 from jaxsusp._files import write_netcdf
+from jaxsusp._showing import Shown
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.ellipsoid import Ellipsoid
 from jaxsusp.freespace.graph import center
@@ -50,7 +51,7 @@ class Route(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class FreeSpace:
+class FreeSpace(Shown):
     """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
 
     Where the ends of the cables move, for the load alone. A mesh of shape "hull" is avoided as its

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from jaxsusp._files import write_text
+from jaxsusp._showing import Shown
 from jaxsusp._types import Array, Float
 from jaxsusp.planning import document
 from jaxsusp.planning.document import plain
@@ -52,7 +53,7 @@ ARRAYS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Shown):
     """A trajectory with all that belongs to it; host arrays, SI units, n samples, K cables.
 
     `feasible` means: the constraint report and the certificate found nothing wrong. Otherwise

@@ -5,9 +5,10 @@ columns that become headings), `columns` (how to write some of them), `bold` (th
 and `footnotes`. Cells are (row label, column name) pairs. CSV holds the bare numbers.
 """
 
+import html
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -162,6 +163,27 @@ def to_markdown(frame: pd.DataFrame) -> str:
     lines = [f"| {' | '.join(row)} |" for row in (head, rule, *text[names].values)]
     notes = [frame.attrs.get("caption", ""), *_notes(frame)]
     return "\n\n".join(["\n".join(lines), *filter(None, notes)]) + "\n"
+
+
+def to_html(frame: pd.DataFrame) -> str:
+    """A table for a notebook, with title, caption and footnotes; all texts are escaped."""
+    names = _shown(frame)
+    text = _text(frame, "<b>{}</b>", html.escape)
+
+    def row(tag: str, cells: Iterable[str]) -> str:
+        written = (
+            f'<{tag} style="text-align:{_side(frame, name)}">{cell}</{tag}>'
+            for name, cell in zip(names, cells, strict=True)
+        )
+        return f"<tr>{''.join(written)}</tr>"
+
+    rows = [row("th", (html.escape(_column(frame, name).label) for name in names))]
+    rows += [row("td", cells) for cells in text[names].values]
+    title = f"<b>{html.escape(frame.attrs.get('title', ''))}</b>"
+    notes = filter(None, [frame.attrs.get("caption", ""), *_notes(frame)])
+    below = "".join(f"<p>{html.escape(note)}</p>" for note in notes)
+    caption = f'<caption style="text-align:left">{title}</caption>'
+    return f"<table>{caption}{''.join(rows)}</table>{below}"
 
 
 def to_csv(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:

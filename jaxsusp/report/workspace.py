@@ -1,6 +1,7 @@
 """The workspace picture: slices through the positions that a suspension can hold."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -38,7 +39,7 @@ def slices(space: Workspace, blocked: Sequence[Misplaced] = ()) -> Figure:
     across = 1 if np.ptp(task[:, 0]) >= np.ptp(task[:, 1]) else 0  # look along the shorter way
     places = _spread(task[0, across], middle[across], task[1, across], space.axes[across])
     cuts += [(across, place, (1 - across, 2)) for place in places]
-    images = [_slice(axes, space, *cut) for axes, cut in zip(grid.flat, cuts, strict=True)]
+    images = [paint_slice(axes, space, *cut) for axes, cut in zip(grid.flat, cuts, strict=True)]
     for axes, (normal, at, shown) in zip(grid.flat, cuts, strict=True):
 
         def projected(place: np.ndarray, shown=shown) -> np.ndarray:
@@ -48,19 +49,8 @@ def slices(space: Workspace, blocked: Sequence[Misplaced] = ()) -> Figure:
             return bool(abs(place[normal] - at) <= _pitch(space, normal))
 
         paint_misplaced(axes, blocked, projected, in_slice)
-    bar = figure.colorbar(images[0], ax=grid, shrink=0.7, aspect=30, pad=0.015)
-    bar.set_label("margin of the tensions to their limits", fontsize=10, color=INK)
-    bar.outline.set_edgecolor(QUIET)
-    bar.ax.tick_params(color=QUIET, labelcolor=INK, labelsize=9)
-    legend(
-        figure,
-        [
-            Patch(color=_MARGIN(0.6), label="can be held"),
-            Patch(color=_BLOCKED, label="could be held, but load or a cable meets an obstacle"),
-            Patch(facecolor="white", edgecolor=QUIET, label="cannot be held"),
-            *misplaced_samples(blocked),
-        ],
-    )
+    paint_scale(figure, images[0], grid)
+    legend(figure, [*slice_samples(), *misplaced_samples(blocked)])
     remarks(figure, [each.words for each in blocked])
     usable, box = space.volume(space.usable), space.cell * space.clear.size
     heading(
@@ -69,6 +59,23 @@ def slices(space: Workspace, blocked: Sequence[Misplaced] = ()) -> Figure:
         f"({usable / box:.0%}) can be held",
     )
     return figure
+
+
+def paint_scale(figure: Figure, image: Any, beside: Any) -> None:
+    """The scale of the colour of slices, beside their axes."""
+    bar = figure.colorbar(image, ax=beside, shrink=0.7, aspect=30, pad=0.015)
+    bar.set_label("margin of the tensions to their limits", fontsize=10, color=INK)
+    bar.outline.set_edgecolor(QUIET)
+    bar.ax.tick_params(color=QUIET, labelcolor=INK, labelsize=9)
+
+
+def slice_samples() -> list[Patch]:
+    """Legend entries of slices."""
+    return [
+        Patch(color=_MARGIN(0.6), label="can be held"),
+        Patch(color=_BLOCKED, label="could be held, but load or a cable meets an obstacle"),
+        Patch(facecolor="white", edgecolor=QUIET, label="cannot be held"),
+    ]
 
 
 def volume_table(space: Workspace) -> pd.DataFrame:
@@ -96,7 +103,7 @@ def volume_table(space: Workspace) -> pd.DataFrame:
     return frame
 
 
-def _slice(axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]):
+def paint_slice(axes: Axes, space: Workspace, normal: int, at: float, shown: tuple[int, int]):
     """One slice: the layer of cells next to `at` along the axis `normal`."""
     digits = decimals(space.scenario.units.length)
     layer = int(np.abs(space.axes[normal] - at).argmin())

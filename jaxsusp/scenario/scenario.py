@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import PrivateAttr, ValidationError, model_validator
 
+from jaxsusp._showing import Shown
 from jaxsusp.errors import ScenarioError
 from jaxsusp.scenario.admissible import inadmissible
 from jaxsusp.scenario.builtin import find, read
@@ -19,7 +20,7 @@ from jaxsusp.scenario.ownunits import UNCHANGED, Frame, in_own_units
 from jaxsusp.scenario.toml import dumps
 
 
-class Scenario(Statement):
+class Scenario(Statement, Shown):
     """One planning task: load, robots, obstacles, start and goal.
 
     A scenario is admissible: at start and goal the load is in its workspace, below and between

@@ -28,8 +28,8 @@ def answer(*arguments: str) -> tuple[str, str]:
 
 
 COMMANDS = [
-    *("compare", "report", "plan", "verify", "freespace", "workspace", "scenarios", "algorithms"),
-    "cache",
+    *("new", "check", "plan", "verify", "freespace", "workspace", "compare", "report"),
+    *("scenarios", "algorithms", "cache"),
 ]
 
 
@@ -50,6 +50,9 @@ def test_the_version_is_that_of_the_package():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        ("check scenaro-1", 'did you mean "scenario-1"'),
+        ("new my.txt", "give a file name that ends in .toml"),
+        ("new my.toml --robots 2", "give a whole number from 3 to 12"),
         ("plan scenaro-1", 'did you mean "scenario-1"'),
         ("freespace scenario-7", "neither a file nor a built-in scenario"),
         ("workspace missing.toml", "neither a file nor a built-in scenario"),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jaxsusp.cli.application import command, interrupted, note
+from jaxsusp.cli.completion import one_of, scenario_names, some_of
 from jaxsusp.cli.interrupts import working
 from jaxsusp.cli.options import (
     RESULTS,
@@ -46,14 +47,22 @@ Gap = Annotated[
 )
 def compare(
     scenarios: Annotated[
-        str | None, typer.Option(help="Names or TOML files, separated by commas; default: the six.")
+        str | None,
+        typer.Option(
+            help="Names or TOML files, separated by commas; default: the six.",
+            autocompletion=some_of(scenario_names),
+        ),
     ] = None,
     random: Annotated[
         int | None,
         count("So many random scenes of rising difficulty; with --scenarios beside those."),
     ] = None,
     algorithms: Annotated[
-        str, typer.Option(help='Names separated by commas, see `jaxsusp algorithms`; or "all".')
+        str,
+        typer.Option(
+            help='Names separated by commas, see `jaxsusp algorithms`; or "all".',
+            autocompletion=some_of(one_of(ALGORITHMS)),
+        ),
     ] = ",".join(PUBLISHED),
     runs: Runs = 20,
     iterations: Annotated[
@@ -64,7 +73,8 @@ def compare(
     budget: Annotated[
         str,
         typer.Option(
-            help='Equal "iterations" (the paper), "evaluations" or measured "time" for all.'
+            help='Equal "iterations" (the paper), "evaluations" or measured "time" for all.',
+            autocompletion=one_of(BUDGETS),
         ),
     ] = BUDGETS[0],
     polish: Annotated[

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from jaxsusp.cli.application import command, interrupted, note, wide_console
+from jaxsusp.cli.completion import one_of
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
@@ -31,6 +32,7 @@ from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 if TYPE_CHECKING:
     from jaxsusp.planning.plan import Plan
     from jaxsusp.planning.planner import Event
+    from jaxsusp.scenario.scenario import Scenario
 
 
 @command(
@@ -41,19 +43,26 @@ def plan(
     scenario: Named,
     algorithm: Annotated[
         str,
-        typer.Option(help='What searches, see `jaxsusp algorithms`; "taut": nothing, taut ways.'),
+        typer.Option(
+            help='What searches, see `jaxsusp algorithms`; "taut": nothing, taut ways.',
+            autocompletion=one_of([*ALGORITHMS, TAUT]),
+        ),
     ] = "routed",
     ends: Annotated[
         str,
         typer.Option(
             help='"given" keeps the ends of the scenario, or moves them by the plain rule of its '
             'drive mode; "placed" optimises where they stay, or chooses their way by least '
-            "variance where they move."
+            "variance where they move.",
+            autocompletion=one_of(ENDS),
         ),
     ] = ENDS[0],
     coordination: Annotated[
         str,
-        typer.Option(help='How ends that stay are placed with the load: "alternation" or "joint".'),
+        typer.Option(
+            help='How ends that stay are placed with the load: "alternation" or "joint".',
+            autocompletion=one_of(COORDINATIONS),
+        ),
     ] = COORDINATIONS[0],
     runs: Runs = 4,
     iterations: Iterations = 300,
@@ -86,12 +95,11 @@ def plan(
     from jaxsusp.planning import planner
     from jaxsusp.planning.feasibility import ImpossibleTaskError
     from jaxsusp.report.plan.folder import write_plan
-    from jaxsusp.scenario.scenario import load_scenario
 
     devices.configure()
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
-    task, seen = load_scenario(scenario), set()
+    task, seen = _plannable(scenario), set()
     with status as shown:
 
         def told(event: "Event") -> None:
@@ -122,6 +130,24 @@ def plan(
         _show(found, best)
     note(f"{files[0]}, samples, report and figures are in {output}")
     raise typer.Exit(0 if found.feasible else 1)
+
+
+def _plannable(named: str) -> "Scenario":
+    """A scenario whose start and goal may be planned.
+
+    Raises:
+        ScenarioError: with what shows where else they could be, if it is they that are wrong.
+    """
+    from jaxsusp.errors import ScenarioError
+    from jaxsusp.scenario.scenario import load_scenario
+
+    task = load_scenario(named, task_checked=False)
+    if task.troubles:
+        lines = (f"{named}: {line}" for line in task.troubles)
+        raise ScenarioError(
+            *lines, f"`jaxsusp check {named}` draws what blocks it, and what is free"
+        )
+    return task
 
 
 def as_record(plan: "Plan", files: list[Path]) -> dict[str, Any]:

@@ -111,6 +111,25 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
     return figure, stages
 
 
+def paint_task(axes: Axes, scenario: Any, camera: Camera | None = None) -> Camera:
+    """Draw a task with its robots into axes of somebody else's figure.
+
+    Args:
+        axes: plain axes; they get metres in the picture plane.
+        scenario: a `Scenario`; its start and goal may be inadmissible.
+        camera: who looks; by default from where start and goal are seen best.
+    """
+    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    task = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    eye = camera or best_view(solids, [task], unit=frame_of(scenario).length)
+    paint_room(axes, eye, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario))
+    _obstacles(axes, eye, scenario, solids)
+    _cables(axes, eye, scenario, solids)
+    _arms(axes, eye, scenario)
+    _finish_view(axes, scenario)
+    return eye
+
+
 def ground_of(scenario: Any) -> float:
     """The z of the floor of a picture (m): the ground, or below all where there is none."""
     if scenario.ground_height is not None:

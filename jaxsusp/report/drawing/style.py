@@ -71,7 +71,7 @@ class Picture(Figure):
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=DPI / 2)
+        self.savefig(buffer, format="png", dpi=0.4 * DPI)
         return buffer.getvalue()
 
 
@@ -160,7 +160,8 @@ def heading(figure: Figure, title: str) -> None:
 
 def remarks(figure: Figure, lines: Iterable[str]) -> None:
     """Sentences below the title, for what a picture cannot show."""
-    rows = [part for line in lines for part in textwrap.wrap(line, _ACROSS)]
+    across = int(_ACROSS * figure.get_figwidth() / 13)
+    rows = [part for line in lines for part in textwrap.wrap(line, across)]
     engine, height = figure.get_layout_engine(), figure.get_figheight()
     if rows and isinstance(engine, ConstrainedLayoutEngine):
         look = {"fontsize": 9, "linespacing": 1.4, "va": "top", "color": INK}

@@ -100,9 +100,7 @@ def scene(plan: Plan) -> Figure:
     Where ends move, their ways are drawn as well, and the arms at the start (pale) and the goal.
     """
     scenario = plan.scenario
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
-    times = np.linspace(0, plan.law.duration, 200)
-    curve, stills = plan.at(times).position, Stills.of(plan)
+    stills = Stills.of(plan)
     camera = plan_view(plan, stills)
     figure = picture(13.0, 7.4)
     view, top = figure.subplots(1, 2, width_ratios=[1.15, 1])
@@ -110,21 +108,47 @@ def scene(plan: Plan) -> Figure:
         view, camera, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario)
     )
     for axes, eye in ((view, camera), (top, Camera.above())):
-        _bodies(axes, eye, plan, solids, stills)
-        _arms(axes, eye, plan, solids, stills)
-        _cables(axes, eye, solids, stills)
-        _ends(axes, eye, plan, solids, times)
-        _name_ends(axes, eye, plan, stills)
-        paint_curve(axes, eye, solids, curve, zorder=5.0, color=PATH, linewidth=2.2)
-    view.set_axis_off()
-    view.set_aspect("equal")
-    view.margins(0.04)
-    for text in view.texts:
-        text.set_clip_on(False)
+        _system(axes, eye, plan, stills)
+    _finish_view(view)
     _finish_top(top)
     heading(figure, f"{scenario.name}: the plan" + ("" if plan.feasible else " (infeasible)"))
     legend(figure, _samples(plan))
     return figure
+
+
+def glance(plan: Plan) -> Figure:
+    """The view of `scene` alone, small."""
+    stills, scenario = Stills.of(plan), plan.scenario
+    camera, figure = plan_view(plan, stills), picture(8.0, 6.5)
+    view = figure.add_subplot()
+    paint_room(
+        view, camera, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario)
+    )
+    _system(view, camera, plan, stills)
+    _finish_view(view)
+    legend(figure, _samples(plan))
+    return figure
+
+
+def _system(axes: Axes, eye: Camera, plan: Plan, stills: Stills) -> None:
+    """All of a plan but the room it is in."""
+    solids = [of_obstacle(obstacle) for obstacle in plan.scenario.obstacles]
+    times = np.linspace(0, plan.law.duration, 200)
+    _bodies(axes, eye, plan, solids, stills)
+    _arms(axes, eye, plan, solids, stills)
+    _cables(axes, eye, solids, stills)
+    _ends(axes, eye, plan, solids, times)
+    _name_ends(axes, eye, plan, stills)
+    curve = plan.at(times).position
+    paint_curve(axes, eye, solids, curve, zorder=5.0, color=PATH, linewidth=2.2)
+
+
+def _finish_view(axes: Axes) -> None:
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    axes.margins(0.04)
+    for text in axes.texts:
+        text.set_clip_on(False)
 
 
 def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills: Stills) -> None:
