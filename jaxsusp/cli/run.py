@@ -1,7 +1,7 @@
 """All commands in the order of `jaxsusp --help`, and how they fail."""
 
 from jaxsusp.cli.application import app, fail
-from jaxsusp.cli.commands import compare, freespace, listing, plan, verify, workspace  # noqa: F401  commands
+from jaxsusp.cli.commands import compare, freespace, listing, plan, show, verify, workspace  # noqa: F401  commands
 from jaxsusp.errors import InputError
 
 

@@ -103,7 +103,6 @@ def free_space(
     require(0 < coverage < 1, f"coverage = {coverage!r}: give a share between 0 and 1")
     require_count("limit", limit, least=2)
     require_seed(seed)
-    require_solver(solver)
     settings = {
         "coverage": coverage,
         "limit": limit,
@@ -115,6 +114,7 @@ def free_space(
     if file:
         with suppress(InputError, OSError):  # missing or damaged: it is built and written
             return load_free_space(file).stated(asked.units)
+    require_solver(solver)
     space = _Builder(scenario, settings, progress).build()
     if file:
         with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
