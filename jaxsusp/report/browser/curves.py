@@ -131,8 +131,8 @@ def _clearance(scenario: Scenario, own: Rigging, times: np.ndarray) -> Curve:
 
 
 def _joints(scenario: Scenario, own: Rigging, times: np.ndarray) -> Curve:
-    """Joint angles; of arms that stand still at the two ends only."""
-    kept = times[:: FINE if own.moves else len(times) - 1]
+    """Joint angles; of arms that stand still once."""
+    kept = times[::FINE] if own.moves else times[:1]
     joints = np.rad2deg(own.joints_at(own.ends_at(own.law.parameter(kept))))
     given = scenario.limits.joint_limits_deg
     lines = tuple(

@@ -30,6 +30,10 @@ MOST_SCENES = 12
 """Scenarios of a comparison that are shown: of more the page would grow beyond 6 MB."""
 
 
+_OF_RUNS = ("fitness", "collisions", "violations", "position")
+"""Variables of a comparison that its ways are shown with."""
+
+
 class Gathered:
     """Scenes, each once, with the tracks in them, in the order in which they were named.
 
@@ -78,7 +82,8 @@ class Gathered:
                 self.tracks += [{**track, "scene": number} for track in new]
             scenes.append(scene_of(scenario, self._free_space(number, scenario)))
         scenes += [scene_of_space(name, space) for name, space in self._alone]
-        require(bool(scenes), "nothing to show; name a scenario, a plan or a dataset")
+        why = " ".join(self.notes) or "name a scenario, a plan or a dataset"
+        require(bool(scenes), f"nothing to show: {why}")
         return {"scenes": scenes, "tracks": self.tracks, "notes": self.notes}
 
     def _scene(self, scenario: Scenario) -> int:
@@ -112,6 +117,8 @@ class Gathered:
 
     def _comparison(self, ds: xr.Dataset) -> None:
         """The best run of every algorithm on every scenario."""
+        runs = int(ds.sizes["run"])
+        self.notes.append(f"Of every algorithm the best of {runs} runs, with the ends as given.")
         names = ds["scenario"].values.tolist()
         if len(names) > MOST_SCENES:
             self.notes.append(f"{len(names)} scenarios: the first {MOST_SCENES} are shown.")
@@ -130,6 +137,9 @@ class Gathered:
 
     def _runs(self, ds: xr.Dataset, scenario: Scenario) -> None:
         number = self._scene(scenario)
+        if missing := [name for name in _OF_RUNS if name not in ds]:
+            self.notes.append(f"No runs on {scenario.name}: the dataset has no {missing[0]}.")
+            return
         run = ds["fitness"].fillna(np.inf).argmin("run")
         best = ds[["fitness", "collisions", "violations"]].isel(run=run)
         for name, style in styles(ds["algorithm"].values.tolist()).items():
@@ -141,7 +151,7 @@ class Gathered:
             fitness, collisions, violations = values
             reasons = _broken(int(collisions), int(violations))
             verdict = "violates limits" if reasons else "clear"
-            title = f"{style.label}, best of its runs: fitness {fitness:.1f}"
+            title = f"{style.label}, fitness {fitness:.1f}"
             track = way_track(scenario, way, title, style.color, verdict, reasons)
             self.tracks.append({**track, "scene": number})
 

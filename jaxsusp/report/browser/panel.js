@@ -15,7 +15,7 @@ function listTracks(element, tracks, shown, beside, choose, accompany) {
     radio.addEventListener("change", () => choose(track));
     const swatch = made("i", { className: "swatch" });
     swatch.style.background = track.color;
-    const label = made("label", {}, radio, swatch, made("span", { textContent: track.name }),
+    const label = made("label", {}, radio, swatch, made("span", { textContent: track.name }), " ",
       made("small", { textContent: track.verdict, className: verdictClass(track) }));
     const row = made("div", { className: "run" }, label);
     if (tracks.length > 1) {

@@ -170,7 +170,7 @@ class Stage {
       this.tag(name, data[name], "place", 20);
     }
     this.names = data.robots.map((_, k) => this.tag(`P${k + 1}`, [0, 0, 0], "end", -16));
-    this.tight = this.tag("", [0, 0, 0], "tight", 24);
+    this.tight = this.tag("", [0, 0, 0], "tight", -18);
     this.knob = new THREE.Mesh(BALL, new THREE.MeshBasicMaterial({ color: BEYOND, depthTest: false }));
     this.knob.scale.setScalar(0.075);
     this.knob.renderOrder = 5;

@@ -13,8 +13,8 @@ from jaxsusp.freespace.bodies import bodies_of
 from jaxsusp.freespace.polyhedra import Body, HalfSpaces
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.report.browser.layers import body_layers, region_layer
+from jaxsusp.report.drawing.room import ground_of
 from jaxsusp.report.drawing.scales import anchor, decimals
-from jaxsusp.report.drawing.scene import ground_of
 from jaxsusp.report.drawing.style import CABLES
 from jaxsusp.scenario.models import Statement
 from jaxsusp.scenario.ownunits import Frame

@@ -28,13 +28,16 @@ class System {
       color: ghost ? track.color : color, transparent: ghost, opacity: ghost ? 0.45 : 1 });
     const count = track.cables;
     this.cables = this.instances(this.groups.cables, ROD, count, "#ffffff", THREE.MeshBasicMaterial);
-    this.arms = this.instances(this.groups.robots, ROD, 3 * count, scene.theme.arm);
-    this.joints = this.instances(this.groups.robots, BALL, 4 * count, scene.theme.joint);
+    this.standing = track.chains.shape[0] === 1;
+    this.armed = !(ghost && this.standing); // arms that stand would stand in those of the other
+    if (this.armed) {
+      this.arms = this.instances(this.groups.robots, ROD, 3 * count, scene.theme.arm);
+      this.joints = this.instances(this.groups.robots, BALL, 4 * count, scene.theme.joint);
+    }
     this.hang(scene.data.payload);
     if (track.times.length > 1) this.draw();
     this.matrix = new THREE.Matrix4();
     this.color = new THREE.Color();
-    this.standing = track.chains.shape[0] === 1;
     this.posed = false;
   }
 
@@ -112,7 +115,7 @@ class System {
       this.cables.setColorAt(k, this.color);
     }
     this.cables.instanceMatrix.needsUpdate = this.cables.instanceColor.needsUpdate = true;
-    if (!(this.standing && this.posed)) this.reach(now.chains);
+    if (this.armed && !(this.standing && this.posed)) this.reach(now.chains);
     this.posed = true;
   }
 

@@ -23,7 +23,7 @@ from jaxsusp.report.drawing.painting import (
     paint_solid,
     refine,
 )
-from jaxsusp.report.drawing.room import paint_room
+from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import frame_plane
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
 from jaxsusp.report.drawing.style import (
@@ -109,13 +109,6 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
     _finish_view(view, scenario)
     _finish_top(top, scenario)
     return figure, stages
-
-
-def ground_of(scenario: Any) -> float:
-    """The z of the floor of a picture (m): the ground, or below all where there is none."""
-    if scenario.ground_height is not None:
-        return scenario.ground_height
-    return min(scenario.workspace.lower[2], *(robot.base[2] for robot in scenario.robots))
 
 
 def best_view(
