@@ -112,7 +112,7 @@ class Panel {
       const at = Math.round(y(value)) + 0.5;
       pen.moveTo(ROOM.left, at);
       pen.lineTo(ROOM.left + this.width, at);
-      pen.fillText(value.toFixed(digits(vertical.step)).replace("-", "−"), ROOM.left - 6, at);
+      pen.fillText(fixed(value, digits(vertical.step)), ROOM.left - 6, at);
     }
     pen.stroke();
     pen.textAlign = "center";

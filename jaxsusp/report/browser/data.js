@@ -85,5 +85,10 @@ function inWords(value) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 1 ? 2 : 3;
-  return value.toFixed(digits).replace("-", "−");
+  return fixed(value, digits);
+}
+
+/** A number with so many decimals and a real minus, but for nothing. */
+function fixed(value, digits) {
+  return value.toFixed(digits).replace(/^-(?=0\.?0*$)/, "").replace("-", "−");
 }

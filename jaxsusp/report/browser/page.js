@@ -108,7 +108,7 @@ class Page {
   tell() {
     const { frame } = this.scene, parts = [];
     if (this.track) {
-      const place = worldOf(frame, this.track.now.position).map((each) => each.toFixed(frame.decimals + 1).replace("-", "−"));
+      const place = worldOf(frame, this.track.now.position).map((each) => fixed(each, frame.decimals + 1));
       parts.push(`load at (${place.join(", ")}) m`);
       this.find("clock").textContent = `${this.time.toFixed(1)} of ${this.track.duration.toFixed(0)} s`;
       const low = this.scene.tension[0], high = this.scene.tension[1];

@@ -287,12 +287,13 @@ class Stage {
     const { towards } = this.orbit, [low, high] = this.data.workspace, floor = this.data.floor;
     const near = [0, 1].map((i) => (towards[i ? "y" : "x"] > 0 ? high[i] : low[i]));
     const out = [0, 1].map((i) => Math.sign(near[i] - (low[i] + high[i]) / 2));
-    const gap = 0.05 * Math.max(high[0] - low[0], high[1] - low[1]);
+    const pixel = (2 * this.orbit.distance * Math.tan((this.camera.fov * Math.PI) / 360)) / this.size[1];
+    const gap = 20 * pixel;
     const right = new THREE.Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0);
     const corners = [low, high].flatMap((a) => [low, high].map((b) => [a[0], b[1]]));
     const left = corners.reduce((a, b) => (a[0] * right.x + a[1] * right.y < b[0] * right.x + b[1] * right.y ? a : b));
     for (const { axis, at, tag } of this.ticks) {
-      const named = at === null, far = named ? 2.6 : 1;
+      const named = at === null, far = named ? 2.4 : 1;
       const middle = (low[axis] + high[axis]) / 2;
       if (axis === 2) tag.at = [left[0] - right.x * gap, left[1] - right.y * gap, named ? high[2] + gap : at];
       else {
