@@ -24,7 +24,7 @@ def main() -> None:
         files = [Path(folder) / f"{name}.plan.json" for name in ALGORITHMS]
         for file, name in zip(files, ALGORITHMS, strict=True):
             js.plan(SCENARIO, name).save(file)
-        js.show(*files, path=Path(folder) / "page.html")
+        js.show(*files, path=Path(folder) / "page.html", regions=True)
         opened = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox"])
         page = opened.new_page(viewport={"width": 1280, "height": 800})
         page.goto((Path(folder) / "page.html").as_uri())

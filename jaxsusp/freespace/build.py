@@ -1,6 +1,7 @@
 """Scenario → FreeSpace: seeds, regions, coverage, route."""
 
 import hashlib
+import inspect
 import json
 import os
 import time
@@ -111,15 +112,31 @@ def free_space(
         "routes": routes,
     }
     file = _cache_file(scenario, settings) if cache else None
-    if file:
-        with suppress(InputError, OSError):  # missing or damaged: it is built and written
-            return load_free_space(file).stated(asked.units)
+    if file and (known := _kept(file)):
+        return known.stated(asked.units)
     require_solver(solver)
     space = _Builder(scenario, settings, progress).build()
     if file:
         with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
             space.save(file)
     return space.stated(asked.units)
+
+
+def known_free_space(scenario: Scenario | Named) -> FreeSpace | None:
+    """What `free_space` with its defaults has in the cache; None where it would have to build."""
+    asked = load_scenario(scenario, task_checked=False)
+    given = inspect.signature(free_space).parameters
+    names = ("coverage", "limit", "seed", "solver", "routes")
+    file = _cache_file(asked.own, {name: given[name].default for name in names})
+    known = _kept(file) if file else None
+    return known and known.stated(asked.units)
+
+
+def _kept(file: Path) -> FreeSpace | None:
+    """What a file of the cache holds; None where it is missing or damaged."""
+    with suppress(InputError, OSError):
+        return load_free_space(file)
+    return None
 
 
 def _cache_file(scenario: Scenario, settings: dict) -> Path | None:

@@ -24,7 +24,7 @@ def content(path) -> dict:
 
 def test_a_page_with_plans_side_by_side(run, plan, tmp_path):
     page = tmp_path / "page.html"
-    status, out, err = run("show", plan, plan, "--no-regions", "--output", page)
+    status, out, err = run("show", plan, plan, "--output", page)
     assert (status, out) == (0, "")
     assert f"wrote {page}" in err
     assert page.stat().st_size < 6e6
@@ -38,7 +38,7 @@ def test_open_opens_it(run, plan, tmp_path, monkeypatch):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     page = tmp_path / "page.html"
-    assert run("show", plan, "--no-regions", "--open", "--output", page)[0] == 0
+    assert run("show", plan, "--open", "--output", page)[0] == 0
     assert opened == [page.as_uri()]
 
 

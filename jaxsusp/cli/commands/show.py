@@ -30,8 +30,8 @@ def show(
         ),
     ] = Path("show.html"),
     regions: Annotated[
-        bool, typer.Option(help="Compute the free space where nobody has yet, which takes seconds.")
-    ] = True,
+        bool, flag("--regions", "Compute free regions where nobody has yet; may take minutes.")
+    ] = False,
     opened: Annotated[bool, flag("--open", "Open the page in the browser.")] = False,
 ) -> None:
     """Write a page that shows scenes, plans and runs in motion; it needs nothing but a browser."""

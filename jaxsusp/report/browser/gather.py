@@ -11,10 +11,11 @@ import xarray as xr
 
 from jaxsusp.comparison.dataset import load_results
 from jaxsusp.errors import InputError, ScenarioError, require
-from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.build import free_space, known_free_space
 from jaxsusp.freespace.space import FreeSpace, load_free_space
 from jaxsusp.planning.loading import load_plan
 from jaxsusp.planning.plan import Plan
+from jaxsusp.report.browser.packing import as_json
 from jaxsusp.report.browser.scenes import same_task, scene_of, scene_of_space
 from jaxsusp.report.browser.tracks import plan_track, standing_tracks, way_track
 from jaxsusp.report.drawing.style import CYCLE, PALETTE, styles
@@ -26,9 +27,11 @@ Shown = str | os.PathLike[str] | Scenario | Plan | FreeSpace | xr.Dataset
 COLORS = (PALETTE["sdbo"], PALETTE["pso"], PALETTE["dbo"], PALETTE["ga"], *CYCLE)
 """Of plans beside each other."""
 
-MOST_SCENES = 12
-"""Scenarios of a comparison that are shown: of more the page would grow beyond 6 MB."""
+ROOM = 4e6
+"""Bytes of tracks up to which further scenarios of a comparison are shown: a page has 6 MB."""
 
+
+NOT_KNOWN = "nobody has computed them yet; `--regions` does, or `regions=True`"
 
 _OF_RUNS = ("fitness", "collisions", "violations", "position")
 """Variables of a comparison that its ways are shown with."""
@@ -38,16 +41,17 @@ class Gathered:
     """Scenes, each once, with the tracks in them, in the order in which they were named.
 
     Args:
-        regions: whether free spaces are shown; those that nobody has computed yet are computed.
+        grow: whether free spaces that nobody has computed yet are computed.
         told: called with a sentence while something takes long.
     """
 
-    def __init__(self, regions: bool = True, told: Callable[[str], None] = lambda _: None):
-        self.regions, self.told = regions, told
+    def __init__(self, grow: bool = False, told: Callable[[str], None] = lambda _: None):
+        self.grow, self.told = grow, told
         self.tracks: list[dict[str, Any]] = []
         self.notes: list[str] = []
         self._scenarios: dict[str, tuple[int, Scenario]] = {}  # by digest
         self._spaces: dict[int, FreeSpace] = {}
+        self._size = 0  # of tracks of comparisons, bytes
         self._alone: list[tuple[str, FreeSpace]] = []
 
     def add(self, what: Shown) -> None:
@@ -106,13 +110,18 @@ class Gathered:
         self._alone.append((name or "free space", space))
 
     def _free_space(self, number: int, scenario: Scenario) -> FreeSpace | None:
-        if not self.regions or number in self._spaces:
-            return self._spaces.get(number)
+        if number in self._spaces:
+            return self._spaces[number]
+        if not self.grow:
+            known = known_free_space(scenario)
+            if known is None:
+                self.notes.append(f"No free regions of {scenario.name}: {NOT_KNOWN}.")
+            return known
         self.told(f"Free space of {scenario.name} …")
         try:
             return free_space(scenario)
         except InputError as error:
-            self.notes.append(f"No free space of {scenario.name}: {error}")
+            self.notes.append(f"No free regions of {scenario.name}: {error}")
             return None
 
     def _comparison(self, ds: xr.Dataset) -> None:
@@ -120,10 +129,12 @@ class Gathered:
         runs = int(ds.sizes["run"])
         self.notes.append(f"Of every algorithm the best of {runs} runs, with the ends as given.")
         names = ds["scenario"].values.tolist()
-        if len(names) > MOST_SCENES:
-            self.notes.append(f"{len(names)} scenarios: the first {MOST_SCENES} are shown.")
         texts = json.loads(ds.attrs.get("scenario_files", "{}"))
-        for name in names[:MOST_SCENES]:
+        for i, name in enumerate(names):
+            if self._size > ROOM:
+                left = len(names) - i
+                self.notes.append(f"The last {left} of {len(names)} scenarios are not shown.")
+                break
             try:
                 scenario = Scenario.from_toml(texts[name], f"{name}.toml")
             except KeyError:
@@ -153,6 +164,7 @@ class Gathered:
             verdict = "violates limits" if reasons else "clear"
             title = f"{style.label}, fitness {fitness:.1f}"
             track = way_track(scenario, way, title, style.color, verdict, reasons)
+            self._size += len(as_json(track))
             self.tracks.append({**track, "scene": number})
 
 
@@ -193,14 +205,14 @@ def _stem(what: str | os.PathLike[str]) -> str:
 
 
 def gathered(
-    what: Sequence[Shown], regions: bool = True, told: Callable[[str], None] = lambda _: None
+    what: Sequence[Shown], grow: bool = False, told: Callable[[str], None] = lambda _: None
 ) -> dict[str, Any]:
     """Everything that is named, as the page reads it; scenarios before free spaces of theirs.
 
     Raises:
         InputError: something is not there, damaged, or nothing that can be shown.
     """
-    found = Gathered(regions, told)
+    found = Gathered(grow, told)
     for each in what:
         found.add(each)
     return found.finished()

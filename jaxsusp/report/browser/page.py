@@ -10,12 +10,16 @@ from string import Template
 from typing import Any
 
 from jaxsusp._files import write_text
+from jaxsusp.errors import require
 from jaxsusp.report.browser.gather import Shown, gathered
 from jaxsusp.report.browser.packing import as_json
 from jaxsusp.report.browser.threejs import three
 
 SCRIPTS = ("data", "camera", "solids", "system", "scene", "curves", "panel", "page")
 """The page's own code, in the order in which its parts use each other."""
+
+LARGEST = 6.0
+"""MB of a page that browsers open without delay, and that can be sent."""
 
 HEIGHT = 720
 """Pixels of a page in a notebook."""
@@ -42,7 +46,7 @@ class Page:
 def show(
     *what: Shown,
     path: str | os.PathLike[str] | None = None,
-    regions: bool = True,
+    regions: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Page:
     """Scenes and plans in motion, in a browser: one page that makes no request.
@@ -51,17 +55,19 @@ def show(
         what: scenarios, plans, comparisons and free spaces, or their names and files. Plans of one
             scenario stand beside each other; a free space belongs to the scenario named before it.
         path: of an HTML file that is written, if any.
-        regions: whether regions of the free space are shown. Those that nobody has computed yet
-            are computed, which takes seconds.
+        regions: whether free spaces that nobody has computed yet are computed, which takes seconds
+            or minutes. Those that are known already are shown in any case.
         progress: called with a sentence while something takes long.
 
     Returns:
         The page. In a notebook it shows itself where a cell ends with it.
 
     Raises:
-        InputError: something is not there, damaged, or nothing that can be shown.
+        InputError: something is not there, damaged, nothing that can be shown, or too much at once.
     """
     page = Page(_assembled(gathered(what, regions, progress)))
+    size = len(page.text) / 1e6
+    require(size <= LARGEST, f"the page would have {size:.1f} MB, more than {LARGEST}; show less")
     if path is not None:
         page.save(path)
     return page

@@ -86,5 +86,5 @@ def refused() -> js.Plan:
 def file(plan, refused, tmp_path_factory):
     """A page with both plans."""
     path = tmp_path_factory.mktemp("page") / "two.html"
-    js.show(plan, refused, path=path, regions=False)
+    js.show(plan, refused, path=path)
     return path

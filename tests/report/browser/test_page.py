@@ -151,7 +151,7 @@ def test_names_are_only_names(visit, plan, tmp_path):
     scenario = plan.scenario.model_copy(update={"name": HOSTILE, "obstacles": tuple(obstacles)})
     reasons = (f"load hits {HOSTILE}",)
     hostile = replace(plan, scenario=scenario, feasible=False, reasons=reasons)
-    page = js.show(hostile, path=tmp_path / "hostile.html", regions=False)
+    page = js.show(hostile, path=tmp_path / "hostile.html")
     assert HOSTILE not in page.text
     shown = visit(tmp_path / "hostile.html")
     assert shown.page.evaluate("window.hacked") is None
@@ -176,7 +176,7 @@ def test_nothing_that_is_added_to_a_page_runs(browser, file, tmp_path):
 def test_it_is_exact_in_survey_coordinates(visit, plan, tmp_path):
     frame = Frame(0.05, 0.02, (350_000.0, 5_500_000.0, 120.0))
     moved = plan.stated(restated(plan.scenario, frame))
-    js.show(moved, path=tmp_path / "far.html", regions=False)
+    js.show(moved, path=tmp_path / "far.html")
     shown = visit(tmp_path / "far.html")
     half = moved.law.duration / 2
     shown.page.evaluate(f"window.jaxsusp.seek({half})")
@@ -240,7 +240,7 @@ def test_a_free_space_alone_says_what_is_missing(visit, roomy, tmp_path):
 
 
 def test_a_scenario_without_a_plan_hangs_at_start_and_goal(visit, scenarios, tmp_path):
-    js.show(scenarios[0], path=tmp_path / "scene.html", regions=False)
+    js.show(scenarios[0], path=tmp_path / "scene.html")
     shown = visit(tmp_path / "scene.html")
     assert shown.state["beside"] == ["at the goal"]
     np.testing.assert_allclose(shown.state["load"], scenarios[0].task.start, atol=1e-6)
