@@ -5,6 +5,7 @@ columns that become headings), `columns` (how to write some of them), `bold` (th
 and `footnotes`. Cells are (row label, column name) pairs. CSV holds the bare numbers.
 """
 
+import html
 import math
 import os
 from collections.abc import Callable
@@ -162,6 +163,32 @@ def to_markdown(frame: pd.DataFrame) -> str:
     lines = [f"| {' | '.join(row)} |" for row in (head, rule, *text[names].values)]
     notes = [frame.attrs.get("caption", ""), *_notes(frame)]
     return "\n\n".join(["\n".join(lines), *filter(None, notes)]) + "\n"
+
+
+def to_html(frame: pd.DataFrame) -> str:
+    """An HTML table that a script can sort: cells carry the bare numbers in `data-value`."""
+    names = _shown(frame)
+    text = _text(frame, "<strong>{}</strong>", html.escape)
+    head = "".join(
+        f'<th scope="col" class="{_side(frame, name)}">'
+        f'<button type="button">{html.escape(_column(frame, name).label)}</button></th>'
+        for name in names
+    )
+    rows = "".join(
+        "<tr>" + "".join(_cell(frame, text, row, name) for name in names) + "</tr>\n"
+        for row in frame.index
+    )
+    notes = [frame.attrs.get("caption", ""), *_notes(frame)]
+    said = "".join(f"<p>{html.escape(note)}</p>\n" for note in notes if note)
+    table = f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>"
+    return f"<div><table>\n{table}\n</table></div>\n{said}"
+
+
+def _cell(frame: pd.DataFrame, text: pd.DataFrame, row: Any, name: str) -> str:
+    """A cell of an HTML table; what is no number sorts by its text."""
+    value, side = frame.at[row, name], _side(frame, name)
+    number = f' data-value="{float(value)!r}"' if side == "right" else ""
+    return f'<td class="{side}"{number}>{text.at[row, name]}</td>'
 
 
 def to_csv(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:

@@ -1,28 +1,24 @@
 """One HTML file with the data, the code and nothing to fetch; `jaxsusp show` and notebooks."""
 
-import base64
-import hashlib
-import html
 import os
 from collections.abc import Callable
-from pathlib import Path
-from string import Template
 from typing import Any
 
 from jaxsusp._files import write_text
 from jaxsusp.errors import require
+from jaxsusp.report.browser.document import document, framed
 from jaxsusp.report.browser.gather import Shown, gathered
 from jaxsusp.report.browser.packing import as_json
 from jaxsusp.report.browser.threejs import three
 
-SCRIPTS = ("data", "camera", "solids", "system", "scene", "curves", "panel", "page")
+SCRIPTS = (
+    "data.js", "camera.js", "solids.js", "system.js", "scene.js", "curves.js", "panel.js",
+    "page.js",
+)  # fmt: skip
 """The page's own code, in the order in which its parts use each other."""
 
 LARGEST = 6.0
 """MB of a page that browsers open without delay, and that can be sent."""
-
-HEIGHT = 720
-"""Pixels of a page in a notebook."""
 
 
 class Page:
@@ -35,8 +31,7 @@ class Page:
         return f"<Page of {len(self.text) / 1e6:.1f} MB>"
 
     def _repr_html_(self) -> str:
-        frame = f'width="100%" height="{HEIGHT}" style="border: 0" title="jaxsusp"'
-        return f'<iframe srcdoc="{html.escape(self.text)}" {frame}></iframe>'
+        return framed(self.text)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page, atomically."""
@@ -74,30 +69,8 @@ def show(
 
 
 def _assembled(content: dict[str, Any]) -> str:
-    """Template, style, three.js, data and code as one text."""
+    """The page with data, three.js and the code that draws with it."""
     names = dict.fromkeys(scene["name"] for scene in content["scenes"])
-    style, library = _own("style.css"), three()
-    code = "\n".join(_own(f"{name}.js") for name in SCRIPTS)
-    return Template(_own("template.html")).substitute(
-        title=html.escape(", ".join(names)),
-        policy=_policy(style, library, code),
-        style=style,
-        three=library,
-        data=as_json(content),
-        code=code,
-    )
-
-
-def _policy(style: str, *scripts: str) -> str:
-    """A Content-Security-Policy that lets nothing run but these texts, and nothing be fetched."""
-    allowed = " ".join(map(_hash, scripts))
-    return f"default-src 'none'; script-src {allowed}; style-src {_hash(style)}; img-src data:"
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
-def _own(name: str) -> str:
-    """A file beside this one."""
-    return (Path(__file__).parent / name).read_text(encoding="utf-8")
+    styles = "theme.css", "show.css"
+    data = as_json(content)
+    return document("show.html", ", ".join(names), styles, SCRIPTS, three(), data=data)

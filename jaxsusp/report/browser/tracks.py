@@ -131,6 +131,8 @@ def _report(checks: Sequence[Check]) -> dict[str, Any]:
 
 def _share(check: Check) -> float:
     """Margin as a share of the limit that is nearer; infinite where that says nothing."""
+    if np.isnan(check.margin):  # nothing is known, which is worse than anything
+        return -1.0
     near = check.low if check.value - check.low <= check.high - check.value else check.high
     if check.time is None or check.name.startswith(_NEVER_TIGHT) or not np.isfinite(near):
         return np.inf
