@@ -95,7 +95,7 @@ class Orbit {
       this.target.addScaledVector(axes[1], (low[1] + high[1]) / 2);
       farthest = 0;
     }
-    this.distance = 1.06 * farthest;
+    this.distance = 1.12 * farthest;
     this.nearest = farthest / 60;
     this.farthest = 5 * farthest;
     this.place();

@@ -98,6 +98,7 @@ class Page {
     const before = performance.now();
     this.time = Math.max(0, Math.min(this.track.duration, time));
     this.find("time").value = this.time;
+    this.find("time").setAttribute("aria-valuetext", `${this.time.toFixed(1)} s`);
     this.stage ? this.stage.pose(this.time) : this.track.at(this.time);
     this.curves.point(this.time);
     this.tell();
@@ -209,6 +210,7 @@ const VERDICTS = {
   infeasible: "Infeasible",
   clear: "Clear at the samples of its search; not proved",
   "violates limits": "Violates limits at the samples of its search",
+  inadmissible: "Start or goal is no place for the load",
   "no plan": "No plan: load and cables at start and goal",
 };
 

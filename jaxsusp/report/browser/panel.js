@@ -29,7 +29,7 @@ function listTracks(element, tracks, shown, beside, choose, accompany) {
 }
 
 function verdictClass(track) {
-  return { feasible: "good", clear: "good", infeasible: "bad", "violates limits": "bad" }[track.verdict] || "";
+  return { feasible: "good", clear: "good", infeasible: "bad", inadmissible: "bad", "violates limits": "bad" }[track.verdict] || "";
 }
 
 /** Sentences as a list; the section hides where there are none. */

@@ -293,7 +293,7 @@ class Stage {
     const corners = [low, high].flatMap((a) => [low, high].map((b) => [a[0], b[1]]));
     const left = corners.reduce((a, b) => (a[0] * right.x + a[1] * right.y < b[0] * right.x + b[1] * right.y ? a : b));
     for (const { axis, at, tag } of this.ticks) {
-      const named = at === null, far = named ? 2.4 : 1;
+      const named = at === null, far = named ? 1.8 + 0.17 * tag.element.textContent.length : 1;
       const middle = (low[axis] + high[axis]) / 2;
       if (axis === 2) tag.at = [left[0] - right.x * gap, left[1] - right.y * gap, named ? high[2] + gap : at];
       else {

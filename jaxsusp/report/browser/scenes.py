@@ -55,7 +55,7 @@ def scene_of(
             {"column": robot.column_radius, "link": robot.link_radius} for robot in own.robots
         ],
         "obstacles": [_obstacle(i, each) for i, each in enumerate(own.obstacles, start=1)],
-        "notes": list(scenario.troubles),
+        "notes": [],
         "regions": None,
         "bodies": {},
     }

@@ -62,7 +62,9 @@ def standing_tracks(scenario: Scenario) -> list[dict[str, Any]]:
     law = TimeLaw.through(points, own.task.duration)
     rig = Rigging.of(own, law, ends_beside(own, points))
     places = _places(scenario, rig, np.linspace(0, law.duration, INSTANTS), INSTANTS - 1)
-    common = {"verdict": "no plan", "reasons": (), "curves": [], "limits": [], "color": QUIET}
+    verdict = "inadmissible" if scenario.troubles else "no plan"
+    told = {"verdict": verdict, "reasons": scenario.troubles}
+    common = {**told, "curves": [], "limits": [], "color": QUIET}
     return [
         {
             "name": name,

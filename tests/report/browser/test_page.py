@@ -245,3 +245,14 @@ def test_a_scenario_without_a_plan_hangs_at_start_and_goal(visit, scenarios, tmp
     assert shown.state["beside"] == ["at the goal"]
     np.testing.assert_allclose(shown.state["load"], scenarios[0].task.start, atol=1e-6)
     assert not shown.page.locator("#transport").is_visible()
+
+
+def test_a_task_that_cannot_be_says_why(visit, scenarios, tmp_path):
+    text = scenarios[0].to_toml().replace("goal = [0.0, -2.0", "goal = [0.0, -9.0")
+    task = js.Scenario.from_toml(text, task_checked=False)
+    assert task.troubles
+    js.show(task, path=tmp_path / "blocked.html")
+    shown = visit(tmp_path / "blocked.html")
+    told = shown.page.locator("#verdict").inner_text()
+    assert told == "Start or goal is no place for the load"
+    assert shown.page.locator("#reasons li").all_inner_texts() == list(task.troubles)
