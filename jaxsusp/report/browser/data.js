@@ -2,12 +2,11 @@
 // The data of the page: arrays out of base64, and where everything is at a time.
 
 /** Array packed by packing.py → {shape, data}. */
-function unpack({ shape, kind, base64 }) {
+function unpack({ shape, base64 }) {
   const text = atob(base64);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
-  const data = kind === "u32" ? new Uint32Array(bytes.buffer) : new Float32Array(bytes.buffer);
-  return { shape, data };
+  return { shape, data: new Float32Array(bytes.buffer) };
 }
 
 /** Index i and share s of a time between times[i] and times[i + 1]. */

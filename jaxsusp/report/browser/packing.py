@@ -8,15 +8,11 @@ from typing import Any
 import numpy as np
 
 
-def packed(array: Any, dtype: type = np.float32) -> dict[str, Any]:
-    """An array as base64 of little-endian numbers with its shape; `unpack` in data.js reads it."""
-    array = np.ascontiguousarray(array, np.dtype(dtype).newbyteorder("<"))
-    kinds = {np.dtype(np.float32): "f32", np.dtype(np.uint32): "u32"}
-    return {
-        "shape": list(array.shape),
-        "kind": kinds[np.dtype(dtype)],
-        "base64": base64.b64encode(array.tobytes()).decode("ascii"),
-    }
+def packed(array: Any) -> dict[str, Any]:
+    """An array as base64 of single-precision numbers, with its shape, for `unpack` in data.js."""
+    array = np.asarray(array, "<f4")
+    encoded = base64.b64encode(array.tobytes()).decode("ascii")
+    return {"shape": list(array.shape), "base64": encoded}
 
 
 def as_json(value: Any) -> str:

@@ -13,7 +13,7 @@ REQUIRED = "JAXSUSP_REQUIRE_BROWSER"
 """Environment variable under which a missing browser is a failure."""
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # its event loop is not left running beside other tests
 def browser():
     """Chromium without a screen; tests that need it are skipped where there is none."""
     names = ("chromium", "chromium-browser", "google-chrome")
