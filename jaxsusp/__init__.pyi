@@ -91,3 +91,7 @@ from .planning.recheck import Verification as Verification
 from .planning.refusal import why_not as why_not
 from .planning.refusal import Refusal as Refusal
 from .planning.feasibility import ImpossibleTaskError as ImpossibleTaskError
+
+# scenes and plans in a browser
+from .report.browser.page import show as show
+from .report.browser.page import Page as Page

@@ -9,6 +9,7 @@ from jaxsusp.cli.commands import (  # noqa: F401  commands
     listing,
     new,
     plan,
+    show,
     verify,
     workspace,
 )  # fmt: skip

@@ -1,6 +1,7 @@
 """Scenario → FreeSpace: seeds, regions, coverage, route."""
 
 import hashlib
+import inspect
 import json
 import time
 from collections.abc import Callable, Iterator
@@ -101,7 +102,6 @@ def free_space(
     require(0 < coverage < 1, f"coverage = {coverage!r}: give a share between 0 and 1")
     require_count("limit", limit, least=2)
     require_seed(seed)
-    require_solver(solver)
     settings = {
         "coverage": coverage,
         "limit": limit,
@@ -110,17 +110,34 @@ def free_space(
         "routes": routes,
     }
     file = _cache_file(scenario, settings) if cache else None
-    if file:
-        with suppress(InputError, OSError):  # missing or damaged: it is built and written
-            known = load_free_space(file)
-            used(file)
-            return known.stated(asked.units)
+    if file and (known := _kept(file)):
+        return known.stated(asked.units)
+    require_solver(solver)
     space = _Builder(scenario, settings, progress).build()
     if file:
         with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
             space.save(file)
             drop_oldest(file.parent)
     return space.stated(asked.units)
+
+
+def known_free_space(scenario: Scenario | Named) -> FreeSpace | None:
+    """What `free_space` with its defaults has in the cache; None where it would have to build."""
+    asked = load_scenario(scenario, task_checked=False)
+    given = inspect.signature(free_space).parameters
+    names = ("coverage", "limit", "seed", "solver", "routes")
+    file = _cache_file(asked.own, {name: given[name].default for name in names})
+    known = _kept(file) if file else None
+    return known and known.stated(asked.units)
+
+
+def _kept(file: Path) -> FreeSpace | None:
+    """What a file of the cache holds; None where it is missing or damaged."""
+    with suppress(InputError, OSError):
+        known = load_free_space(file)
+        used(file)
+        return known
+    return None
 
 
 def _cache_file(scenario: Scenario, settings: dict) -> Path | None:

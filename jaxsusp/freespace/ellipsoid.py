@@ -2,15 +2,17 @@
 
 import functools
 import warnings
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import cvxpy as cp
 import numpy as np
 from jaxtyping import Float
 
 from jaxsusp.errors import InputError, require, require_known
 from jaxsusp.freespace.choices import SOLVER, solvers
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point
+
+if TYPE_CHECKING:  # it takes long to import, and most free spaces come from a cache
+    import cvxpy as cp
 
 
 class Ellipsoid(NamedTuple):
@@ -33,11 +35,11 @@ class Ellipsoid(NamedTuple):
 class _Program(NamedTuple):
     """Eq. 23 for some number of half-spaces."""
 
-    problem: cp.Problem
-    A: cp.Parameter
-    b: cp.Parameter
-    C: cp.Expression
-    d: cp.Variable
+    problem: "cp.Problem"
+    A: "cp.Parameter"
+    b: "cp.Parameter"
+    C: "cp.Expression"
+    d: "cp.Variable"
 
 
 def largest_ellipsoid(halves: HalfSpaces, solver: str = SOLVER) -> Ellipsoid | None:
@@ -55,6 +57,8 @@ def largest_ellipsoid(halves: HalfSpaces, solver: str = SOLVER) -> Ellipsoid | N
         The ellipsoid, drawn in where the solver's tolerance let it stick out; None where there is
         no room for one.
     """
+    import cvxpy as cp
+
     count = 8 * -(-len(halves.b) // 8)  # programs of a few sizes serve all polytopes
     program = _program(count)
     program.A.value = np.zeros((count, 3))
@@ -94,6 +98,8 @@ def require_solver(name: str) -> None:
 
 @functools.cache
 def _program(count: int) -> _Program:
+    import cvxpy as cp
+
     A, b = cp.Parameter((count, 3)), cp.Parameter(count)
     entries, d = cp.Variable(6), cp.Variable(3)
     C = cp.reshape(_LOWER @ entries, (3, 3), order="F")

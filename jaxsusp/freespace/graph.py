@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-import cvxpy as cp
 import numpy as np
 from jaxtyping import Bool, Int
 from scipy.optimize import linprog
@@ -119,6 +118,8 @@ class RegionGraph:
         crossings = [self.crossing(i, j) for i, j in pairwise(route)]
         if not crossings:
             return np.array([start, goal]), float(np.linalg.norm(goal - start))
+        import cvxpy as cp  # takes long, and most free spaces come from a cache
+
         x = cp.Variable((len(crossings), 3))
         points = cp.vstack([start[None], x, goal[None]])
         lengths = cp.Variable(len(crossings) + 1)

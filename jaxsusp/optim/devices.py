@@ -61,7 +61,8 @@ def _keep_programs() -> None:
     # Loading a program logs, as an error, that tuning hints are no features of the machine.
     jax.config.update("jax_logging_level", "CRITICAL")
     all_kept = cache_folder("compiled")
-    if all_kept is None or jax.config.jax_compilation_cache_dir is not None:
+    own = getattr(jax.config, "jax_compilation_cache_dir", None)
+    if all_kept is None or own is not None:
         return
     folder = all_kept / f"jax-{jax.__version__}-{version('jaxlib')}-{_machine()}"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)

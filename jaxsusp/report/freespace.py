@@ -36,9 +36,6 @@ ROUTE, SHADOW, FREE, WAY = "#C43C00", "#E3B7A0", "#0072B2", "#7A0177"
 NEAR = 0.25
 """Own units of length from a section within which places and the route are drawn as in it."""
 
-HOLLOW = {"mfc": "none", "mec": LOAD}
-"""Start and goal in sections that do not hold them."""
-
 Polygon = Float[np.ndarray, "corners 2"]
 
 
@@ -67,8 +64,9 @@ def slices(scenario: Scenario, space: FreeSpace, blocked: Sequence[Misplaced] = 
             _section(axes, region, height, scenario, on_route)
         _route_from_above(axes, space, height, near)
         for name, place in (("start", scenario.task.start), ("goal", scenario.task.goal)):
-            look = {"mfc": LOAD, "mec": "white"} if abs(place[2] - height) < near else HOLLOW
-            axes.plot(*place[:2], "o", ms=5, zorder=8, **look)
+            solid = abs(place[2] - height) < near  # hollow where the section does not hold it
+            fill, rim = (LOAD, "white") if solid else ("none", LOAD)
+            axes.plot(*place[:2], "o", ms=5, mfc=fill, mec=rim, zorder=8)
             axes.annotate(
                 name, place[:2], xytext=(6, 4), textcoords="offset points", fontsize=8, zorder=9
             )

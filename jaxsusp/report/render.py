@@ -8,7 +8,7 @@ and `footnotes`. Cells are (row label, column name) pairs. CSV holds the bare nu
 import html
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -165,25 +165,47 @@ def to_markdown(frame: pd.DataFrame) -> str:
     return "\n\n".join(["\n".join(lines), *filter(None, notes)]) + "\n"
 
 
-def to_html(frame: pd.DataFrame) -> str:
-    """A table for a notebook, with title, caption and footnotes; all texts are escaped."""
+def to_html(frame: pd.DataFrame, sortable: bool = False) -> str:
+    """A table with title, caption and footnotes; all texts are escaped.
+
+    Args:
+        frame: what it holds.
+        sortable: for a page with a script and a style sheet of its own: headings are buttons, cells
+            carry the bare numbers in `data-value`, sides are classes. Otherwise it stands alone.
+    """
     names = _shown(frame)
-    text = _text(frame, "<b>{}</b>", html.escape)
-
-    def row(tag: str, cells: Iterable[str]) -> str:
-        written = (
-            f'<{tag} style="text-align:{_side(frame, name)}">{cell}</{tag}>'
-            for name, cell in zip(names, cells, strict=True)
+    text = _text(frame, "<strong>{}</strong>", html.escape)
+    look = {name: _look(_side(frame, name), sortable) for name in names}
+    labels = {name: html.escape(_column(frame, name).label) for name in names}
+    if sortable:
+        labels = {name: f'<button type="button">{each}</button>' for name, each in labels.items()}
+    head = "".join(f'<th scope="col"{look[name]}>{labels[name]}</th>' for name in names)
+    rows = "".join(
+        "<tr>"
+        + "".join(
+            f"<td{look[name]}{_number(frame, row, name, sortable)}>{text.at[row, name]}</td>"
+            for name in names
         )
-        return f"<tr>{''.join(written)}</tr>"
+        + "</tr>\n"
+        for row in frame.index
+    )
+    title = html.escape(frame.attrs.get("title", ""))
+    caption = "" if sortable else f'<caption style="text-align:left"><b>{title}</b></caption>\n'
+    notes = [frame.attrs.get("caption", ""), *_notes(frame)]
+    said = "".join(f"<p>{html.escape(note)}</p>\n" for note in notes if note)
+    table = f"{caption}<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>"
+    return f"<div><table>\n{table}\n</table></div>\n{said}"
 
-    rows = [row("th", (html.escape(_column(frame, name).label) for name in names))]
-    rows += [row("td", cells) for cells in text[names].values]
-    title = f"<b>{html.escape(frame.attrs.get('title', ''))}</b>"
-    notes = filter(None, [frame.attrs.get("caption", ""), *_notes(frame)])
-    below = "".join(f"<p>{html.escape(note)}</p>" for note in notes)
-    caption = f'<caption style="text-align:left">{title}</caption>'
-    return f"<table>{caption}{''.join(rows)}</table>{below}"
+
+def _look(side: str, styled: bool) -> str:
+    return f' class="{side}"' if styled else f' style="text-align:{side}"'
+
+
+def _number(frame: pd.DataFrame, row: Any, name: str, wanted: bool) -> str:
+    """The bare number of a cell as an attribute; what is no number sorts by its text."""
+    if not wanted or _side(frame, name) != "right":
+        return ""
+    return f' data-value="{float(frame.at[row, name])!r}"'
 
 
 def to_csv(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:

@@ -18,8 +18,8 @@ import numpy as np
 from jaxsusp.scenario.ownunits import TOUCH, Frame
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.elbow import elbow_speed
+from jaxsusp.verify.gauge import Gauge
 from jaxsusp.verify.pairs import KINDS, System
-from jaxsusp.verify.scene import Scene
 
 TOLERANCE = 1e-4
 """m; how exact the least clearances are."""
@@ -121,18 +121,11 @@ class _Search:
     def __init__(self, rigging: Rigging, first_only: bool):
         self._rigging, self._path = rigging, rigging.law.path
         self._system = System(rigging)
+        self._gauge = gauge = Gauge(self._system)
         self._bodies = self._system.bodies
-        self._scene = Scene(self._bodies)
         self._first_only: bool = first_only
-        columns = np.array([each[:3] for each in self._system.pairs], int).T
-        self._one, self._other, self._kind = columns
-        self._required = np.array([each.required for each in self._system.pairs])
-        spans = np.array([(body.first, body.second) for body in self._bodies])
-        self._span_one, self._span_other = spans[self._one], spans[self._other]
-        moves = self._system.moves
-        self._moving = moves[self._span_one].any(axis=1) | moves[self._span_other].any(axis=1)
-        self._placed = {i for i, span in enumerate(spans) if not moves[span].any()}
-        self._place_what_stands(spans)
+        self._one, self._other, self._kind = gauge.one, gauge.other, gauge.kind
+        self._required, self._moving = gauge.required, gauge.moving
         count = len(self._one)
         self._first = np.full(count, np.inf)  # parameter of the first failure of every pair
         self._first_value = np.full(count, np.nan)
@@ -142,12 +135,6 @@ class _Search:
         self._best_pair = np.zeros(len(KINDS), int)
         self.distances = 0
         self.finished = False
-
-    def _place_what_stands(self, spans: np.ndarray) -> None:
-        start = np.array(self._path.span[:1])
-        points = self._system.locate(self._path.curve(start), self._rigging.ends_at(start))[0]
-        for index in self._placed:
-            self._scene.place(index, *points[spans[index]])
 
     def run(self) -> None:
         """Prove, or find failures."""
@@ -167,7 +154,8 @@ class _Search:
         middle, half = (a + b) / 2, (b - a) / 2
         center, ends = self._path.curve(middle), self._rigging.ends_at(middle)
         points = self._system.locate(center, ends)
-        value, normal = self._measure(pair, points)
+        value, normal = self._gauge.measure(pair, points)
+        self.distances += len(pair)
         self._note(pair, middle, value)
         kind, required = self._kind[pair], self._required[pair] - ROUNDING
         lower = self._lower_bound(pair, middle, half, points, ends, value, normal)
@@ -182,31 +170,6 @@ class _Search:
         go_on |= ~failing & (lower < self._best[kind] - TOLERANCE) & (half > _NARROW)
         pair, a, b, middle = pair[go_on], a[go_on], b[go_on], middle[go_on]
         return np.tile(pair, 2), np.append(a, middle), np.append(middle, b)
-
-    def _measure(self, pair, points) -> tuple[np.ndarray, np.ndarray]:
-        """Distances and directions (from the other body to the one) of pairs at given points."""
-        scene, placed = self._scene, self._placed
-        value, normal = np.empty(len(pair)), np.empty((len(pair), 3))
-        columns = self._one, self._other, self._kind, self._span_one, self._span_other
-        rows = zip(*(column[pair].tolist() for column in columns), strict=True)
-        for row, (one, other, kind, (a, b), (c, d)) in enumerate(rows):
-            if kind >= _GROUND:
-                ground = self._bodies[other].obstacle
-                lowest = min(points[row, a, 2], points[row, b, 2]) - self._bodies[one].below
-                value[row], normal[row] = lowest - ground.height, (0.0, 0.0, 1.0)
-                continue
-            if kind == _ENDS:
-                way = points[row, a] - points[row, c]
-                value[row] = np.sqrt(way @ way)
-                normal[row] = way / max(value[row], 1e-12)
-                continue
-            if one not in placed:
-                scene.place(one, points[row, a], points[row, b])
-            if other not in placed:
-                scene.place(other, points[row, c], points[row, d])
-            value[row], normal[row] = scene.distance(other, one)
-        self.distances += len(pair)
-        return value, normal
 
     def _note(self, pair, middle, value) -> None:
         """Remember failures and least distances."""
@@ -228,7 +191,7 @@ class _Search:
         """Proven lower bounds of the distances over whole intervals."""
         system, rows = self._system, np.arange(len(pair))
         motion = self._motion(middle, half, ends)
-        one, other = self._span_one[pair], self._span_other[pair]
+        one, other = self._gauge.span_one[pair], self._gauge.span_other[pair]
         plane = np.full(len(pair), np.inf)
         for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
             a, b = one[:, i], other[:, j]
@@ -297,10 +260,6 @@ class _Search:
 
     def _names(self, pair: int | np.integer) -> tuple[str, str]:
         return self._bodies[self._one[pair]].name, self._bodies[self._other[pair]].name
-
-
-_ENDS = KINDS.index("ends to each other")
-_GROUND = KINDS.index("load to the ground")  # and those behind it
 
 
 class _Motion(NamedTuple):

@@ -18,6 +18,7 @@ from jaxsusp.comparison import compare as comparison
 from jaxsusp.comparison import dataset as results
 from jaxsusp.comparison import workunit
 from jaxsusp.comparison.store import FILE, PARTS
+from jaxsusp.report.browser import results as webpage
 from jaxsusp.report.comparison import folder
 from jaxsusp.report.comparison.folder import write_report
 from jaxsusp.report.drawing import scene as scene3d
@@ -120,6 +121,16 @@ def test_report_writes_the_same_files_again(run, saved, tmp_path):
     assert list(one.values()) == list(two.values())
     names = {path.name for path in one}
     assert {"comparison.csv", "comparison.md", "convergence.png", "scenario-3.png"} <= names
+
+
+def test_a_report_as_one_page(run, saved, tmp_path, monkeypatch):
+    monkeypatch.setattr(webpage, "figures_of", lambda _: [])
+    monkeypatch.setattr(webpage, "scenes_of", lambda *_: [])
+    code, out, err = run("report", saved, "--html", "--output", tmp_path)
+    assert code == 0
+    assert "Comparison of the algorithms" in out
+    assert err.splitlines()[-1] == f"wrote {tmp_path / 'report.html'}"
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
 
 
 @pytest.mark.usefixtures("quick_pictures")
@@ -381,6 +392,6 @@ def test_a_scenario_that_cannot_be_drawn_is_told_and_the_rest_written(uninterrup
     text = js.load_scenario("scenario-1").to_toml()
     partly = uninterrupted.assign_attrs(scenario_files=json.dumps({"scenario-1": text}))
     files = write_report(partly, tmp_path, told.append)
-    assert told == ["scenario-3.png is not drawn: the dataset does not hold scenario 'scenario-3'"]
+    assert told == ["no picture of scenario-3: the dataset does not hold this scenario"]
     assert tmp_path / "scenario-1.png" in files
     assert np.isfinite(uninterrupted["fitness"]).all()

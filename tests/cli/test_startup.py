@@ -28,7 +28,7 @@ def answer(*arguments: str) -> tuple[str, str]:
 
 
 COMMANDS = [
-    *("new", "check", "plan", "verify", "freespace", "workspace", "compare", "report"),
+    *("new", "check", "plan", "verify", "freespace", "workspace", "compare", "report", "show"),
     *("scenarios", "algorithms", "cache"),
 ]
 
@@ -72,6 +72,8 @@ def test_the_version_is_that_of_the_package():
         ("freespace scenario-1 --solver HIGHS", "choose from CLARABEL"),
         ("workspace scenario-1 --spacing -1", "spacing = -1.0: give a length above 0 m"),
         ("plan scenario-1 --output pyproject.toml", "is a file, not a folder"),
+        ("show scenaro-1", 'did you mean "scenario-1"'),
+        ("show scenario-1 --output page.txt", "give a file name that ends in .html"),
         ("verify plan.json --video p.txt", "give a file name that ends in .mp4"),
         ("compare --algorithms pso,,ga", "one of the names is empty"),
     ],

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+PAGE = "report.html"
+
 Gap = Annotated[
     bool,
     flag("--gap", "Print how near and how soon algorithms come to the best known fitness."),
@@ -139,9 +141,12 @@ def report(
     results: Annotated[Path, typer.Argument(help="A compare.nc that `jaxsusp compare` wrote.")],
     output: Output = RESULTS,
     gap: Gap = False,
+    html: Annotated[
+        bool, flag("--html", "Write all of it as one page instead, report.html.")
+    ] = False,
     as_json: Json = False,
 ) -> None:
-    """Write the tables and figures of a saved comparison again."""
+    """Write the tables and figures of a saved comparison again, or one page with all of it."""
     file = results / FILE
     remedy = f"give {file}" if file.exists() else f"give a {FILE} that `jaxsusp compare` wrote"
     require(not results.is_dir(), f"{results}: is a folder, not a file; {remedy}")
@@ -150,10 +155,12 @@ def report(
     from jaxsusp.optim import devices
 
     devices.configure()
-    _report(load_results(results), results, output, gap, as_json)
+    _report(load_results(results), results, output, gap, as_json, html)
 
 
-def _report(ds: "xr.Dataset", source: Path, output: Path, gap: bool, as_json: bool) -> None:
+def _report(
+    ds: "xr.Dataset", source: Path, output: Path, gap: bool, as_json: bool, html: bool = False
+) -> None:
     from rich.console import Console
 
     from jaxsusp.report.comparison.folder import as_records, build_tables, printed, write_report
@@ -162,7 +169,7 @@ def _report(ds: "xr.Dataset", source: Path, output: Path, gap: bool, as_json: bo
 
     stderr = Console(stderr=True)
     with stderr.status("Writing tables and figures …") if stderr.is_terminal else nullcontext():
-        files = write_report(ds, output, told=note)
+        files = [_page(ds, output)] if html else write_report(ds, output, told=note)
     if as_json:
         records = {**as_records(ds), "files": [str(file) for file in files]}
         print(json.dumps(records, indent=2, allow_nan=False))
@@ -175,4 +182,13 @@ def _report(ds: "xr.Dataset", source: Path, output: Path, gap: bool, as_json: bo
             note(f"{len(ds['scenario'])} scenarios: all other tables are in {output}")
     for sentence in better_than_known(ds):
         note(f"{sentence}; `python experiments/best_known.py --results {source}` keeps it")
-    note(f"{len(files)} tables and figures are in {output}")
+    note(f"wrote {files[0]}" if html else f"{len(files)} tables and figures are in {output}")
+
+
+def _page(ds: "xr.Dataset", output: Path) -> Path:
+    from jaxsusp._files import write_text
+    from jaxsusp.report.browser.results import results_page
+
+    output.mkdir(parents=True, exist_ok=True)
+    write_text(output / PAGE, results_page(ds))
+    return output / PAGE

@@ -3,7 +3,7 @@
 import json
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -82,17 +82,48 @@ def write_report(
         to_csv(frame, folder / f"{name}.csv")
         write_text(folder / f"{name}.md", to_markdown(frame))
         files += [folder / f"{name}.csv", folder / f"{name}.md"]
+    for name, figure in figures_of(ds):
+        save(figure, folder / f"{name}.png")
+        files.append(folder / f"{name}.png")
+    taken = {*_FIGURES}
+    for name, figure in scenes_of(ds, told):
+        files.append(folder / f"{_stem(name, taken)}.png")
+        save(figure, files[-1])
+    return files
+
+
+def figures_of(ds: xr.Dataset) -> Iterator[tuple[str, Figure]]:
+    """The figures of a whole comparison by their names; of many scenarios only running times."""
     few = ds.sizes["scenario"] <= MOST_DRAWN
     for name, draw in _FIGURES.items() if few else [("ecdf", targets.running_times)]:
         figure = draw(ds)
         if figure is not None:
-            save(figure, folder / f"{name}.png")
-            files.append(folder / f"{name}.png")
-    if few:
-        return files + _draw_scenes(ds, folder, told)
-    count = ds.sizes["scenario"]
-    told(f"{count} scenarios: pictures of each are drawn where there are at most {MOST_DRAWN}")
-    return files
+            yield name, figure
+
+
+def scenes_of(ds: xr.Dataset, told: Callable[[str], None]) -> Iterator[tuple[str, Figure]]:
+    """A picture of every scenario with the best trajectories in it, by the scenario's name.
+
+    Args:
+        ds: a whole comparison; its scenarios are drawn from the files embedded in it.
+        told: called with a sentence for every picture that cannot be drawn, and where there are
+            too many scenarios for pictures of each.
+    """
+    names = ds["scenario"].values.tolist()
+    if len(names) > MOST_DRAWN:
+        most = f"pictures of each are drawn where there are at most {MOST_DRAWN}"
+        told(f"{len(names)} scenarios: {most}")
+        return
+    texts = json.loads(ds.attrs.get("scenario_files", "{}"))
+    for name in names:
+        try:
+            scenario = Scenario.from_toml(texts[name], f"{name}.toml")
+        except KeyError:
+            told(f"no picture of {name}: the dataset does not hold this scenario")
+        except ScenarioError as error:  # the mesh it names has gone
+            told(f"no picture of {name}: {error}")
+        else:
+            yield name, scene3d.scene(scenario, ds.sel(scenario=name))
 
 
 _FIGURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
@@ -102,33 +133,14 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
 }
 
 
-def _draw_scenes(ds: xr.Dataset, folder: Path, told: Callable[[str], None]) -> list[Path]:
-    """A picture of every scenario with the best trajectories in it."""
-    files = []
-    texts = json.loads(ds.attrs.get("scenario_files", "{}"))
-    for name, stem in zip(names := ds["scenario"].values.tolist(), _stems(names), strict=True):
-        picture = folder / f"{stem}.png"
-        try:
-            scenario = Scenario.from_toml(texts[name], f"{name}.toml")
-        except KeyError:
-            told(f"{picture.name} is not drawn: the dataset does not hold scenario {name!r}")
-        except ScenarioError as error:  # the mesh it names has gone
-            told(f"{picture.name} is not drawn: {error}")
-        else:
-            save(scene3d.scene(scenario, ds.sel(scenario=name)), picture)
-            files.append(picture)
-    return files
-
-
-def _stems(names: Sequence[str]) -> list[str]:
-    """File names of pictures: the scenarios' own as far as they are plain and not taken."""
-    taken, stems = {*_FIGURES}, []
-    for name in names:
-        plain = re.sub(r"[^\w.-]+", "-", name).strip("-.")[:60] or "scenario"
-        candidates = (plain, *(f"{plain}-{number}" for number in range(2, len(names) + 4)))
-        stems.append(next(stem for stem in candidates if stem.casefold() not in taken))
-        taken.add(stems[-1].casefold())  # some file systems do not tell upper from lower case
-    return stems
+def _stem(name: str, taken: set[str]) -> str:
+    """A picture's file name: the scenario's own as far as it is plain and not taken; takes it."""
+    plain = re.sub(r"[^\w.-]+", "-", name).strip("-.")[:60] or "scenario"
+    candidates = (plain, *(f"{plain}-{number}" for number in range(2, len(taken) + 3)))
+    # Some file systems do not tell upper from lower case.
+    stem = next(stem for stem in candidates if stem.casefold() not in taken)
+    taken.add(stem.casefold())
+    return stem
 
 
 def as_records(ds: xr.Dataset) -> dict[str, list[dict]]:

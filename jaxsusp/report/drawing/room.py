@@ -1,5 +1,7 @@
 """The room a scene stands in: floor, scales and the edges of the workspace."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -10,6 +12,13 @@ from jaxsusp.report.drawing.solids import Camera
 from jaxsusp.report.drawing.style import FAINT, QUIET
 
 PAPER = "#F6F6F4"
+
+
+def ground_of(scenario: Any) -> float:
+    """The z of the floor of a picture (m): the ground, or below all where there is none."""
+    if scenario.ground_height is not None:
+        return scenario.ground_height
+    return min(scenario.workspace.lower[2], *(robot.base[2] for robot in scenario.robots))
 
 
 def paint_room(axes: Axes, camera: Camera, lower, upper, floor: float = 0.0) -> None:

@@ -23,7 +23,7 @@ from jaxsusp.report.drawing.painting import (
     paint_solid,
     refine,
 )
-from jaxsusp.report.drawing.room import paint_room
+from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import frame_plane
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
 from jaxsusp.report.drawing.style import (
@@ -128,13 +128,6 @@ def paint_task(axes: Axes, scenario: Any, camera: Camera | None = None) -> Camer
     _arms(axes, eye, scenario)
     _finish_view(axes, scenario)
     return eye
-
-
-def ground_of(scenario: Any) -> float:
-    """The z of the floor of a picture (m): the ground, or below all where there is none."""
-    if scenario.ground_height is not None:
-        return scenario.ground_height
-    return min(scenario.workspace.lower[2], *(robot.base[2] for robot in scenario.robots))
 
 
 def best_view(

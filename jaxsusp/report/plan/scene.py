@@ -18,9 +18,9 @@ from jaxsusp.report.drawing.painting import (
     paint_solid,
     refine,
 )
-from jaxsusp.report.drawing.room import paint_room
+from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import count_from
-from jaxsusp.report.drawing.scene import LOAD, STONE, best_view, ground_of
+from jaxsusp.report.drawing.scene import LOAD, STONE, best_view
 from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
 from jaxsusp.report.drawing.style import (
     CABLES,
