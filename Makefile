@@ -1,4 +1,4 @@
-# make compare · test · test-fast · figures · notebooks · lab · bench · reference · docs · dist · check
+# make compare · test · test-pages · test-fast · figures · notebooks · lab · bench · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -11,12 +11,13 @@ DOCS := .venv-docs
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-fast figures notebooks lab bench reference docs dist dist-check
+.PHONY: help setup compare test test-pages test-fast figures notebooks lab bench reference docs dist dist-check
 .PHONY: check format clean
 
 help:
 	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
 	@echo "make test       the test suite"
+	@echo "make test-pages notebooks, the site's examples, pages in a browser (Chromium, where there is one)"
 	@echo "make test-fast  at least one test of every room, for the edit loop"
 	@echo "make figures    redraw the table and figures of results/compare.nc"
 	@echo "make notebooks  execute the notebooks and keep their outputs; make lab opens JupyterLab"
@@ -63,7 +64,10 @@ $(VENV)/.lab: $(VENV)/.current
 	@touch $@
 
 test: setup
-	$(BIN)/python -m pytest --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -m "not pages" --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+
+test-pages: setup
+	$(BIN)/python -m pytest -m pages --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 test-fast: setup
 	$(BIN)/python -m pytest -m fast --numprocesses $(CORES) --dist loadfile

@@ -23,6 +23,7 @@ PROGRAMS = [example for page in PAGES for example in pages.examples(page, "pytho
 FILES = [example for page in PAGES for example in pages.examples(page, "toml")]
 
 
+@pytest.mark.pages
 @pytest.mark.parametrize("example", PROGRAMS, ids=lambda each: each.name.removeprefix("docs/"))
 def test_programs_run(example, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)

@@ -27,6 +27,7 @@ def kinds(notebook) -> list[list[list[str]]]:
     return [[sorted(each.get("data", {each.output_type: 0})) for each in c.outputs] for c in cells]
 
 
+@pytest.mark.pages
 @pytest.mark.filterwarnings("default")  # of the kernel's libraries, which are not ours
 @pytest.mark.parametrize("name", NAMES)
 def test_a_notebook_runs_and_has_the_outputs_that_are_kept(name):

@@ -13,6 +13,8 @@ from jaxsusp.freespace.polyhedra import HalfSpaces
 from jaxsusp.freespace.space import assemble
 from jaxsusp.scenario.ownunits import Frame, restated
 
+pytestmark = pytest.mark.pages
+
 HOSTILE = "</script><script>window.hacked = 1</script><img src=x onerror=window.hacked=1>"
 PHONE = {"viewport": {"width": 390, "height": 844}}
 

@@ -6,6 +6,8 @@ import pytest
 
 from jaxsusp.report.browser.results import results_page
 
+pytestmark = pytest.mark.pages
+
 HOSTILE = "<img src=x onerror=window.hacked=1>"
 
 
