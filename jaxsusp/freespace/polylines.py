@@ -15,6 +15,9 @@ GRAZE = 1e-3
 
 _STEP = 1e-9
 
+_BLOCK = 2**14
+"""Numbers in a block of work: larger arrays cost more in fresh memory than in arithmetic."""
+
 
 class Polyhedra:
     """Several polyhedra in one array, so that a segment is cut by all of them at once.
@@ -51,16 +54,23 @@ class Polyhedra:
         are cut.
         """
         met = np.zeros(len(one), bool)
-        if not self.members:
+        if not self.members or not len(one):
             return met
-        beyond = (one @ self._A.T > self._b) & (two @ self._A.T > self._b)
-        near = ~np.logical_or.reduceat(beyond, self._first, axis=-1)
+        rows = max(1, _BLOCK // len(self._b))
+        near = np.concatenate(
+            [self._near(one[i : i + rows], two[i : i + rows]) for i in range(0, len(one), rows)]
+        )
         for member in np.flatnonzero(near.any(axis=0)):
             rows = np.flatnonzero(near[:, member] & ~met)
             faces = slice(self._first[member], self._stop[member])
             low, high = _cut(self._A[faces], self._b[faces], one[rows], two[rows])
             met[rows] = low.max(axis=-1) < high.min(axis=-1)
         return met
+
+    def _near(self, one: Points, two: Points) -> Bool[np.ndarray, "segments members"]:
+        """Which members have no face that both ends of a segment are beyond."""
+        beyond = (one @ self._A.T > self._b) & (two @ self._A.T > self._b)
+        return ~np.logical_or.reduceat(beyond, self._first, axis=-1)
 
     def cover(self, one: Point, two: Point) -> list[int]:
         """Members that hold a segment one after the other; none where it leaves them all."""
