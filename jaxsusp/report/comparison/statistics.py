@@ -95,12 +95,13 @@ def mean_ranks(ds: xr.Dataset) -> pd.DataFrame:
     frame = frame.sort_values("mean_rank", kind="stable").rename_axis("algorithm").reset_index()
     test = friedman(ds).iloc[0]
     p = probability(test["p"])
+    told = f"p {p}" if p.startswith("<") else f"p = {p}"
     frame.attrs["title"] = "Ranks by median fitness"
     frame.attrs["columns"] = {name: Column(name, "{:g}".format) for name in ranks}
     frame.attrs["caption"] = (
         f"Friedman test over the scenarios: χ² = {significant(test['statistic'], 3)}, "
-        f"p {p if p.startswith('<') else f'= {p}'}, Kendall's W = {two_decimals(test['kendall_w'])}. Scenarios "
-        "share tasks and obstacles: a description, not a proof."
+        f"{told}, Kendall's W = {two_decimals(test['kendall_w'])}. Scenarios share tasks and "
+        "obstacles: a description, not a proof."
     )
     return frame
 
