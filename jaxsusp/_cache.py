@@ -1,12 +1,13 @@
 """What is kept for the next time: where, by what it is known, and how much of it.
 
 Free spaces and compiled programs take seconds to make and milliseconds to read. Several processes
-may read, write and remove at once: files are whole or not there, and one that is gone is made anew.
+may read, write and remove at once: what is gone or damaged is made anew.
 """
 
 import functools
 import hashlib
 import os
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -20,6 +21,9 @@ anything but 0, that nothing is kept."""
 
 KINDS = {"free-space": "free spaces", "compiled": "compiled programs"}
 """Folders, and what is in them."""
+
+_OURS = re.compile(r"[0-9a-f]{32}\.nc|jit_.*-(cache|atime)")
+"""Names of files that are kept; nothing else is ever removed."""
 
 LIMIT = 2**30
 """Bytes that are kept of each kind; what was used longest ago makes way."""
@@ -95,5 +99,5 @@ def _files(folder: Path) -> Iterator[tuple[float, int, Path]]:
     for file in folder.rglob("*"):
         with suppress(FileNotFoundError):  # another process removed it
             stat = file.stat()
-            if file.is_file():
+            if _OURS.fullmatch(file.name) and file.is_file():
                 yield stat.st_mtime, stat.st_size, file

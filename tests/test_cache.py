@@ -44,7 +44,7 @@ def test_a_person_says_whether_and_where(monkeypatch, folder, variable, value, k
 
 def test_what_was_used_longest_ago_makes_way(folder):
     old, older, new = (
-        keep(folder, f"compiled/{i}/file", 100, age) for i, age in enumerate((20, 30, 10))
+        keep(folder, f"compiled/{i}/jit_f-cache", 100, age) for i, age in enumerate((20, 30, 10))
     )
     _cache.drop_oldest(folder, limit=300)
     assert old.exists()
@@ -57,14 +57,14 @@ def test_what_was_used_longest_ago_makes_way(folder):
 
 
 def test_the_command_shows_and_clears(run, folder):
-    keep(folder, "free-space/a.nc", 1500, 1)
-    keep(folder, "compiled/machine/b-cache", 500, 1)
+    keep(folder, f"free-space/{32 * 'a'}.nc", 1500, 1)
+    keep(folder, "compiled/machine/jit_b-cache", 500, 1)
     status, out, _ = run("cache", "--json")
     told = json.loads(out)
     assert (status, told["folder"]) == (0, str(folder))
     assert told["kept"]["free-space"] == {"files": 1, "bytes": 1500}
     assert "compiled programs" in run("cache")[1]
-    other = keep(folder, "another.txt", 1, 1)
+    other = keep(folder, "compiled/another.txt", 1, 1)
     assert json.loads(run("cache", "--clear", "--json")[1])["kept"]["compiled"]["files"] == 0
     assert other.exists(), "nothing of somebody else's is removed"
     assert run("cache")[1].startswith(str(folder))

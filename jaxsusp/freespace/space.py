@@ -223,6 +223,9 @@ def _from_dataset(ds: xr.Dataset) -> FreeSpace:
     arrays: dict[str, Any] = {
         name: ds[name].transpose(*dims).values for name, dims in _DIMS.items()
     }
+    for name in "AbCd":
+        if not np.isfinite(arrays[name]).all():
+            raise ValueError(f"{name} has numbers that are not finite")
     arrays |= _bodies(ds) | _ways(ds) if ds.attrs["format"] > 2 else {}
     return FreeSpace(
         **arrays,

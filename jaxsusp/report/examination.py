@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from shlex import quote
 
 import numpy as np
 import pandas as pd
@@ -99,7 +100,7 @@ def verdict(found: Examination, source: str) -> str:
     """
     said = f"{found.scenario.name}: {_verdict(found)}"
     if found.possible:
-        return f"{said}; next: jaxsusp plan {source}"
+        return f"{said}; next: jaxsusp plan {quote(source)}"
     return f"{said}; change {source} and check it again"
 
 

@@ -141,9 +141,10 @@ def to_rich(frame: pd.DataFrame, title: str | None = None, caption: str | None =
     text = _text(frame, "[bold]{}[/bold]", escape)
     headings = ["\n".join(_heading(frame, text, row, name) for name in group) for row in text.index]
     for name in names:
-        label = _column(frame, name).label  # headings may wrap, numbers not
+        label, side = _column(frame, name).label, _side(frame, name)
         label = "\n".join(_BROKEN.get(label, label).split())
-        table.add_column(label, justify=_side(frame, name), no_wrap=True)
+        # Where the terminal is too narrow, headings and words wrap, numbers do not.
+        table.add_column(label, justify=side, no_wrap=side == "right", overflow="fold")
     previous = ""
     for row, heading in zip(text.index, headings, strict=True):
         if heading != previous:

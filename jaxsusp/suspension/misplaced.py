@@ -12,9 +12,11 @@ from jaxsusp._types import Float
 from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.polyhedra import HalfSpaces, nearest_point
 from jaxsusp.freespace.space import FreeSpace
+from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario import admissible
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of
+from jaxsusp.suspension.cableloads import cable_loads
 from jaxsusp.suspension.workspace import Workspace
 
 TRIED = 40
@@ -23,8 +25,9 @@ TRIED = 40
 FINENESS = 1e-3
 """Own units of length to which places are rounded, down to a power of ten in m."""
 
-RAYS, STEPS = 400, 100
-"""Directions that are looked into for a free place, and places on each of them."""
+HOOK, SEPARATE = (400, 100), (60, 16)
+"""Directions that are looked into for a free place, and places on each of them; with separate
+attachments every place costs an equilibrium."""
 
 REACH = 9.0
 """Own units of length to look where there is no region at all."""
@@ -94,15 +97,29 @@ def _decimals(scenario: Scenario) -> int:
 def _admissible(
     scenario: Scenario, place: str, candidates: Places
 ) -> tuple[float, float, float] | None:
-    """The first of some places at which the checks of a scenario find nothing."""
+    """The first of some places where the load can be held and the checks find nothing."""
     name, decimals = place.removeprefix("task."), _decimals(scenario)
-    for candidate in islice(candidates, TRIED):
-        x, y, z = (round(c, decimals) for c in candidate.tolist())
+    candidates = candidates.round(decimals)
+    held = _held(scenario.own, scenario.units.inside(candidates))
+    for x, y, z in islice(candidates[held].tolist(), TRIED):
         task = scenario.task.model_copy(update={name: (x, y, z)})
         lines = admissible.misplaced(scenario.model_copy(update={"task": task}))
         if not any(line.startswith(place) for line in lines):
             return x, y, z
     return None
+
+
+def _held(own: Scenario, places: Places) -> np.ndarray:
+    """At which places tensions and lengths are within their limits, ends as given; in own units."""
+    if moving(own.drive) or not len(places):  # ends that move are nowhere yet
+        return np.ones(len(places), bool)
+    loads = cable_loads(own, places)
+    held = np.ones(len(places), bool)
+    for values, (low, high) in (
+        (loads.static, own.limits.tension), (loads.lengths, own.limits.cable_length),
+    ):  # fmt: skip
+        held &= ((values >= low) & (values <= high)).all(axis=1)  # NaN is within none
+    return held
 
 
 def _known(scenario: Scenario, space: Workspace | FreeSpace) -> Callable[[np.ndarray], Places]:
@@ -124,7 +141,8 @@ def _known(scenario: Scenario, space: Workspace | FreeSpace) -> Callable[[np.nda
         found = [nearest_point(HalfSpaces(A, b - inwards), to).point for A, b in rooms]
         found = [point for point in found if point is not None]
         found += [region.ellipsoid.d for region in regions]
-        return _by_distance(np.array(found).reshape(-1, 3), to)
+        places = np.array(found).reshape(-1, 3)
+        return _by_distance(places[_held(scenario.own, places)], to)
 
     return near
 
@@ -138,6 +156,7 @@ class _Free:
             if isinstance(space, FreeSpace)
             else [body.faces for body in bodies_of(scenario.own)]
         )
+        self.own = scenario.own
         self.domain = domain_of(scenario.own) & _hanging(scenario.own)
         self.inwards = _inwards(scenario)
 
@@ -145,19 +164,21 @@ class _Free:
         found = self.domain.excess(points) <= -self.inwards
         for body in self.bodies:
             found[found] = body.excess(points[found]) >= self.inwards
+        found[found] = _held(self.own, points[found])
         return found
 
     def around(self, to: np.ndarray, known: Places) -> Float[np.ndarray, "free xyz"]:
         """The first free place on each of many rays from a point, no farther than the known."""
         reach = math.dist(known[0], to) if len(known) else REACH
-        k = np.arange(RAYS) + 0.5
-        up, turn = 1 - 2 * k / RAYS, math.pi * (1 + math.sqrt(5)) * k  # evenly over the sphere
+        count, places = HOOK if self.own.payload.attachments == "hook" else SEPARATE
+        k = np.arange(count) + 0.5
+        up, turn = 1 - 2 * k / count, math.pi * (1 + math.sqrt(5)) * k  # evenly over the sphere
         level = np.sqrt(1 - up**2)
         rays = np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
         rays = np.concatenate([np.eye(3), -np.eye(3), rays])
-        steps = reach * np.arange(1, STEPS + 1) / STEPS
+        steps = reach * np.arange(1, places + 1) / places
         points = to + steps[:, None, None] * rays
-        clear = self.holds(points.reshape(-1, 3)).reshape(STEPS, -1)
+        clear = self.holds(points.reshape(-1, 3)).reshape(places, -1)
         first, some = clear.argmax(axis=0), np.flatnonzero(clear.any(axis=0))
         return _by_distance(points[first[some], some], to)
 

@@ -107,7 +107,7 @@ def test_a_file_that_is_there_is_kept_unless_forced(run, tmp_path):
         (["my.txt"], "give a file name that ends in .toml"),
         (["my.toml", "--robots", 2], "robots = 2: give a whole number from 3 to 12"),
         (["my.toml", "--size", 0], "size = 0: give a factor from 0.001 to 1000"),
-        (["my.toml", "--mass", -1], "mass = -1: give a mass above 0 kg"),
+        (["my.toml", "--mass", -1], "mass = -1: give a mass from 1e-6 to 1e9 kg"),
         (["my.toml", "--from", "scenario-9"], "neither a file nor a built-in scenario"),
         (["my.toml", "--from", "hybrid", "--robots", 3], "give one of the two"),
     ],

@@ -69,3 +69,9 @@ def test_a_dataset_that_is_damaged(run, tmp_path, content):
     assert status == 2
     assert err.startswith(f"{path}: cannot be read as NetCDF-4")
     assert "Traceback" not in err
+
+
+def test_the_folder_of_a_page_is_made(run, plan, tmp_path):
+    page = tmp_path / "there" / "is" / "none.html"
+    assert run("show", plan, "--output", page)[0] == 0
+    assert page.exists()

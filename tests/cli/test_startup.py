@@ -1,5 +1,6 @@
 """Help and mistakes are answered at once: nothing heavy is imported for them."""
 
+import os
 import subprocess
 import sys
 
@@ -94,3 +95,13 @@ missing = [name for name in js.__all__ if not hasattr(js, name)]
 assert missing == [], missing
 """
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_terminal_that_cannot_write_all_signs_ends_no_command():
+    """Whatever the locale: what cannot be written is replaced."""
+    environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+    command = [sys.executable, "-m", "jaxsusp", "check", "no-such-scenario-ü…"]
+    ended = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert "no-such-scenario-??" in ended.stderr
+    assert "Traceback" not in ended.stderr

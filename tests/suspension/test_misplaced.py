@@ -149,3 +149,14 @@ def test_commands_draw_it_and_say_where_else_to_go(run, file, tmp_path):
     status, _, err = run("plan", file, "--output", tmp_path / "plan")
     assert status == 2
     assert f"{file}: task.start = [-0.46, 0.46, 0.81] puts the load into the warning area" in err
+
+
+def test_the_nearest_place_is_one_where_the_load_can_be_held(blocked, space):
+    """A cable that is stretched to its limit where it would be free sends it elsewhere."""
+    (found, _), ends = js.misplaced(blocked, space), (1.0, 56.0)
+    assert js.tensions(blocked, found.nearest).max() > ends[1]
+    limits = blocked.limits.model_copy(update={"tension": ends})
+    weaker = blocked.model_copy(update={"limits": limits})
+    start = js.misplaced(weaker, space)[0]
+    assert away(start) > away(found)
+    assert js.tensions(weaker, start.nearest).max() <= ends[1]

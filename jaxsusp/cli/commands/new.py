@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -27,8 +28,13 @@ def _factor(name: str, value: float) -> None:
     require(good, f"{name} = {value:g}: give a factor from 0.001 to 1000")
 
 
+LIGHTEST, HEAVIEST = 1e-6, 1e9
+"""kg of a load that is written."""
+
+
 def _mass(name: str, value: float) -> None:
-    require(math.isfinite(value) and value > 0, f"{name} = {value:g}: give a mass above 0 kg")
+    remedy = "give a mass from 1e-6 to 1e9 kg"
+    require(LIGHTEST <= value <= HEAVIEST, f"{name} = {value:g}: {remedy}")
 
 
 @command(
@@ -85,4 +91,4 @@ def new(
         origin += f" Lengths are multiplied by {size:g}, masses by {heavier:g}."
     file.parent.mkdir(parents=True, exist_ok=True)
     write_text(file, commented(scenario, origin))
-    print(f"{file} is written. Change it, then: jaxsusp check {file}")
+    print(f"{file} is written. Change it, then: jaxsusp check {quote(str(file))}")

@@ -3,6 +3,7 @@
 import json
 from contextlib import nullcontext
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -145,7 +146,7 @@ def _plannable(named: str) -> "Scenario":
     if task.troubles:
         lines = (f"{named}: {line}" for line in task.troubles)
         raise ScenarioError(
-            *lines, f"`jaxsusp check {named}` draws what blocks it, and what is free"
+            *lines, f"`jaxsusp check {quote(named)}` draws what blocks it, and what is free"
         )
     return task
 

@@ -60,9 +60,19 @@ class Gathered:
         Raises:
             InputError: it is not there, damaged, or nothing that can be shown.
         """
-        name = ""
-        if isinstance(what, str | os.PathLike):
-            name, what = _stem(what), _loaded(what)
+        if not isinstance(what, str | os.PathLike):
+            self._take(what)
+            return
+        try:
+            self._take(_loaded(what), _stem(what))
+        except InputError:
+            raise
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+            raise InputError(
+                f"{what}: holds what cannot be shown ({error}); give a file as jaxsusp wrote it"
+            ) from error
+
+    def _take(self, what: Any, name: str = "") -> None:
         match what:
             case Plan():
                 self._plan(what, name)
@@ -127,6 +137,7 @@ class Gathered:
     def _comparison(self, ds: xr.Dataset) -> None:
         """The best run of every algorithm on every scenario."""
         runs = int(ds.sizes["run"])
+        require(runs > 0, "the comparison has no run; give one that has")
         self.notes.append(f"Of every algorithm the best of {runs} runs, with the ends as given.")
         names = ds["scenario"].values.tolist()
         texts = json.loads(ds.attrs.get("scenario_files", "{}"))

@@ -111,7 +111,7 @@ class Page {
     if (this.track) {
       const place = worldOf(frame, this.track.now.position).map((each) => fixed(each, frame.decimals + 1));
       parts.push(`load at (${place.join(", ")}) m`);
-      this.find("clock").textContent = `${this.time.toFixed(1)} of ${this.track.duration.toFixed(0)} s`;
+      this.find("clock").textContent = `${this.time.toFixed(1)} of ${+this.track.duration.toFixed(1)} s`;
       const low = this.scene.tension[0], high = this.scene.tension[1];
       this.find("scale-low").textContent = `${inWords(low)} N`;
       this.find("scale-high").textContent = `${inWords(high)} N`;

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from jaxsusp._files import write_text
@@ -34,7 +35,8 @@ class Page:
         return framed(self.text)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page, atomically."""
+        """Write the page, atomically; its folder is created where it is missing."""
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
         write_text(path, self.text)
 
 
@@ -60,7 +62,13 @@ def show(
     Raises:
         InputError: something is not there, damaged, nothing that can be shown, or too much at once.
     """
-    page = Page(_assembled(gathered(what, regions, progress)))
+    content = gathered(what, regions, progress)
+    page = Page(_assembled(content))
+    if (size := len(page.text) / 1e6) > LARGEST:
+        for scene in content["scenes"]:
+            scene["bodies"] = {}
+        content["notes"].append(f"No shadows of cables: the page would have {size:.0f} MB.")
+        page = Page(_assembled(content))
     size = len(page.text) / 1e6
     require(size <= LARGEST, f"the page would have {size:.1f} MB, more than {LARGEST}; show less")
     if path is not None:
