@@ -48,7 +48,7 @@ FINER = {"coverage": 0.99, "limit": 400}
 WAYS = 8
 """Distinct ways from start to goal that are kept, taut ones and level ones."""
 
-_CODE = ("freespace", "geometry", "scenario")
+_CODE = ("freespace", "geometry", "mechanics", "scenario")
 """Rooms whose code decides what a free space comes to."""
 
 

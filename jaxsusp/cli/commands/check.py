@@ -1,7 +1,6 @@
 """`jaxsusp check`: a scenario in words and one picture, before it is planned."""
 
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,6 +62,7 @@ def _show(found: "Examination", source: str) -> None:
 
 def _record(found: "Examination", picture: Path) -> dict[str, Any]:
     from jaxsusp.planning.prospects.stated import keys_of, unfitting
+    from jaxsusp.report.browser.packing import plain
 
     scenario, space = found.scenario, found.workspace
     keys = keys_of(scenario)
@@ -74,25 +74,12 @@ def _record(found: "Examination", picture: Path) -> dict[str, Any]:
         "default": [key.path for key in keys if not key.given],
         "unfitting": list(unfitting(scenario)),
         "own_units": {"length_m": frame.length, "mass_kg": frame.mass, "origin_m": frame.origin},
-        "robots": _plain(found.holding._asdict()),
+        "robots": plain(found.holding._asdict()),
         "volumes_m3": {
             "admissible": space.volume(space.admissible), "usable": space.volume(space.usable),
         },
         "misplaced": [each._asdict() for each in found.blocked],
-        "passage": _plain(found.passage and found.passage._asdict()),
+        "passage": plain(found.passage and found.passage._asdict()),
         "refusal": found.refusal and found.refusal._asdict(),
         "files": [str(picture)],
     }  # fmt: skip
-
-
-def _plain(value: Any) -> Any:
-    """Arrays as lists; nothing where a number is none, or where no obstacle narrows a way."""
-    match value:
-        case dict():
-            return {key: _plain(each) for key, each in value.items()}
-        case list() | tuple():
-            return [_plain(each) for each in value]
-        case float() if not math.isfinite(value):
-            return None
-        case _:
-            return _plain(value.tolist()) if hasattr(value, "tolist") else value
