@@ -21,6 +21,7 @@ import pandas as pd
 INSTANTS = 2001
 ALONG = np.linspace(0, 1, 200)[:, None]
 OBSTACLES = 6
+SCENES = 125  # of a process before a fresh one: programs of many shapes fill memory
 FIELDS = (
     "seed", "robots", "drive", "hook", "length", "mass", "far", "feasible", "verified", "attempts",
     "fitness", "load", "cables", "ground", "balance", "seconds", "reasons",
@@ -135,7 +136,10 @@ def main() -> None:
     there = set(pd.read_csv(asked.output)["seed"])
     todo = [seed for seed in range(asked.count) if seed not in there]
     spawned = multiprocessing.get_context("spawn")
-    with spawned.Pool(asked.processes, started) as pool, asked.output.open("a") as file:
+    with (
+        spawned.Pool(asked.processes, started, maxtasksperchild=SCENES) as pool,
+        asked.output.open("a") as file,
+    ):
         writer = csv.DictWriter(file, FIELDS)
         for row in pool.imap_unordered(planned, todo):
             writer.writerow(row)

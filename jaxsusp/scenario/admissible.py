@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp.geometry.collisions import Bodies, count_collisions
+from jaxsusp.geometry.contacts import segments_clear
 from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.mechanics.arm import reach, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
@@ -24,13 +25,14 @@ from jaxsusp.scenario.world import World, attachments_of, build_world, warning_s
 from jaxsusp.vec3 import Vec3
 
 _count = jax.jit(count_collisions)
+_clear = jax.jit(segments_clear)
 
 
 def inadmissible(scenario: Statement) -> tuple[list[str], list[str]]:
     """What makes a scenario unusable and what its task, one line per problem; empty: nothing."""
     if contradictions := [*_contradictory(scenario)] or [*_never_level(scenario)]:
         return contradictions, []
-    checks = (_namesakes, _unreachable, _crowded, _ends_on_ground)
+    checks = (_namesakes, _unreachable, _crowded, _ends_on_ground, _columns_blocked)
     return [line for check in checks for line in check(scenario)], misplaced(scenario)
 
 
@@ -182,6 +184,24 @@ def _ends_on_ground(scenario: Statement) -> Iterator[str]:
     """Ends from which a cable would hang in the ground."""
     ends = ((f"robots[{k}].end", robot.end) for k, robot in enumerate(scenario.robots))
     return _grounded(scenario, ends, warning_shape(scenario).cable_radius, "cable")
+
+
+def _columns_blocked(scenario: Statement) -> Iterator[str]:
+    """Obstacles that stand where a robot's column does; bases that roll may leave them."""
+    own = in_own_units(scenario)[0]
+    if scenario.drive == "base" or not own.obstacles:
+        return
+    for i, obstacle in enumerate(own.obstacles):
+        alone = own.model_copy(update={"obstacles": (obstacle,)})
+        with jax.enable_x64(True):
+            world = build_world(alone, counts=[1] * len(KINDS))
+            wide = jnp.asarray(world.robots.radius)[:, 0] + world.bodies.clearance
+            foot = Vec3.from_array(jnp.asarray(world.robots.base))
+            clear = _clear(foot, world.robots.shoulder, wide, world.obstacles)
+        for k in np.flatnonzero(~np.asarray(clear)):
+            name = numbered("obstacles", i, obstacle.name)
+            wrong = f"puts the column of the robot into the warning area of {name}"
+            yield sentence(f"robots[{k}].base", scenario.robots[k].base, wrong, "move either")
 
 
 def _grounded(scenario: Statement, places, below: float, what: str) -> Iterator[str]:

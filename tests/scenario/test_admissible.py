@@ -281,3 +281,18 @@ def test_ends_in_a_line_surround_nothing():
     assert not _surrounded(np.array([0.5, 0.5]), line)
     assert not _surrounded(np.array([2.0, 1.0]), line)
     assert not _surrounded(line[1], line[[1, 1, 1]])
+
+
+@pytest.mark.parametrize("drive", ["cable", "end", "hybrid", "base"])
+def test_no_obstacle_stands_in_the_column_of_a_robot_whose_base_stays(drive):
+    """The column at (0, 5) is 0.12 m wide and keeps 0.05 m: a ball of 0.2 m needs 0.37 m."""
+
+    def ball(away: float) -> str:
+        return text(obstacles=obstacle("ball", kind="sphere", center=[0, 5 + away, 2], radius=0.2))
+
+    Scenario.from_toml(f'drive = "{drive}"\n' + ball(0.371))
+    if drive == "base":
+        Scenario.from_toml(f'drive = "{drive}"\n' + ball(0.369))
+        return
+    with pytest.raises(ScenarioError, match=r"robots\[0\]\.base = .*column.*obstacles\[0\] \"ball"):
+        Scenario.from_toml(f'drive = "{drive}"\n' + ball(0.369))
