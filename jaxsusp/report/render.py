@@ -198,6 +198,55 @@ def to_html(frame: pd.DataFrame, sortable: bool = False) -> str:
     return f"<div><table>\n{table}\n</table></div>\n{said}"
 
 
+def to_latex(frame: pd.DataFrame) -> str:
+    """A table for a paper (booktabs), with title, caption and footnotes below it."""
+    names = _shown(frame)
+    text = _text(frame, r"\textbf{{{}}}", _latex)
+    sides = "".join(_side(frame, name)[0] for name in names)
+    head = " & ".join(_latex(_column(frame, name).label) for name in names)
+    rows = [" & ".join(row) + r" \\" for row in text[names].values]
+    notes = [frame.attrs.get("caption", ""), *_notes(frame)]
+    lines = [
+        r"\begin{table}",
+        rf"\caption{{{_latex(frame.attrs.get('title', ''))}}}",
+        rf"\begin{{tabular}}{{{sides}}}",
+        r"\toprule",
+        head + r" \\",
+        r"\midrule",
+        *rows,
+        r"\bottomrule",
+        r"\end{tabular}",
+        *(rf"\par\smallskip\footnotesize {_latex(note)}" for note in notes if note),
+        r"\end{table}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+_TEX = {each: rf"\{each}" for each in "&%$#_{}"} | {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "∞": r"$\infty$",
+    "−": "$-$",
+    "≤": r"$\le$",
+    "≥": r"$\ge$",
+    "<": "$<$",
+    ">": "$>$",
+    "κ": r"$\kappa$",
+    "χ": r"$\chi$",
+    "²": r"\textsuperscript{2}",
+    "₁": r"\textsubscript{1}",
+    "₂": r"\textsubscript{2}",
+    "–": "--",
+    "×": r"$\times$",
+    "·": r"$\cdot$",
+}
+
+
+def _latex(text: str) -> str:
+    return "".join(_TEX.get(each, each) for each in text)
+
+
 def _look(side: str, styled: bool) -> str:
     return f' class="{side}"' if styled else f' style="text-align:{side}"'
 

@@ -1,0 +1,83 @@
+"""The data behind every table and figure: small files that are kept, with settings and versions."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+
+from jaxsusp._files import atomic_path, write_text
+from jaxsusp.comparison import dataset
+from jaxsusp.errors import InputError
+
+KEPT = Path(__file__).parent / "data"
+_REMARK = "# "
+
+
+class Artefacts:
+    """A folder of them: datasets as NetCDF, frames as CSV below a line of JSON."""
+
+    def __init__(self, folder: Path = KEPT):
+        self.folder = folder
+
+    def keep(self, name: str, data: xr.Dataset | pd.DataFrame, settings: Any = None) -> None:
+        """Write one, compressed, with what it was made with.
+
+        Args:
+            name: without suffix.
+            data: comparisons carry their settings themselves.
+            settings: a NamedTuple, for those that do not.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
+        if isinstance(data, xr.Dataset):
+            packed = {"zlib": True, "complevel": 9, "shuffle": True}
+            with atomic_path(self.folder / f"{name}.nc") as scratch:
+                data.to_netcdf(
+                    scratch,
+                    engine="h5netcdf",
+                    encoding={each: packed for each in data.data_vars if data[each].ndim},
+                )
+            return
+        told = {"settings": settings._asdict() if settings else {}, **dataset.provenance()}
+        head = _REMARK + json.dumps(told)
+        write_text(self.folder / f"{name}.csv", f"{head}\n{data.to_csv(index=False)}")
+
+    def comparison(self, *names: str) -> xr.Dataset:
+        """One comparison, or several of equal settings as one.
+
+        Raises:
+            InputError: one is missing, or two differ in a setting or version.
+        """
+        parts = [dataset.load_results(self._there(f"{name}.nc")) for name in names]
+        found = parts[0]
+        for name, part in zip(names[1:], parts[1:], strict=True):
+            try:
+                found = dataset.append_results(found, part)
+            except InputError as error:
+                raise InputError(f"{', '.join(names[:1])} and {name}: {error}") from error
+        return found
+
+    def dataset(self, name: str) -> xr.Dataset:
+        """A dataset that is no comparison."""
+        return xr.load_dataset(self._there(f"{name}.nc"), engine="h5netcdf")
+
+    def frame(self, name: str) -> pd.DataFrame:
+        """A table; `attrs` says what it was made with."""
+        path = self._there(f"{name}.csv")
+        with path.open(encoding="utf-8") as file:
+            told = json.loads(file.readline().removeprefix(_REMARK))
+            frame = pd.read_csv(file)
+        frame.attrs |= {"settings": told["settings"]}
+        return frame
+
+    def missing(self, names: Sequence[str]) -> list[str]:
+        """Those of the names under which nothing is kept."""
+        return [name for name in names if not [*self.folder.glob(f"{name}.*")]]
+
+    def _there(self, file: str) -> Path:
+        path = self.folder / file
+        if not path.exists():
+            raise InputError(f"{path}: is not there; run `python -m experiments make` first")
+        return path

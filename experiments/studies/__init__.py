@@ -1,0 +1,1 @@
+"""Studies beyond the paper: what its improvements are worth, and when."""
