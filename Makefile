@@ -1,4 +1,4 @@
-# make compare · test · test-pages · test-fast · figures · notebooks · lab · bench · reference · docs · dist · check
+# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -11,7 +11,7 @@ DOCS := .venv-docs
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-pages test-fast figures notebooks lab bench reference docs dist dist-check
+.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench reference docs dist dist-check
 .PHONY: check format clean
 
 help:
@@ -19,7 +19,8 @@ help:
 	@echo "make test       the test suite"
 	@echo "make test-pages notebooks, the site's examples, pages in a browser (Chromium, where there is one)"
 	@echo "make test-fast  at least one test of every room, for the edit loop"
-	@echo "make figures    redraw the table and figures of results/compare.nc"
+	@echo "make figures    every table and figure of the paper, and the studies, from data that is kept"
+	@echo "make studies    run what these data come from; what is kept already stays (its estimate first)"
 	@echo "make notebooks  execute the notebooks and keep their outputs; make lab opens JupyterLab"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
 	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake (own environment)"
@@ -51,7 +52,10 @@ compare: setup
 	$(BIN)/jaxsusp compare --output results
 
 figures: setup
-	$(BIN)/jaxsusp report results/compare.nc --output results
+	$(BIN)/python -m experiments draw
+
+studies: setup
+	$(BIN)/python -m experiments make --resume
 
 notebooks: setup
 	$(BIN)/python notebooks/execute.py

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from experiments.artefacts import Artefacts
 from jaxsusp.errors import require_known
 
-NAMES = ("published.comparison",)
+NAMES = ("published.comparison", "claims.ledger")
 """Modules of this folder; what stands later may read the data of what stands before it."""
 
 
@@ -24,6 +24,7 @@ class Page(NamedTuple):
     figures: Mapping[str, Figure] = _NONE  # by file name; captions in `Figure.get_label`
     tables: Mapping[str, pd.DataFrame] = _NONE  # by file name; see report.render
     findings: str = ""  # one paragraph of Markdown; every number in it comes from the data
+    body: str = ""  # Markdown instead of the tables, where rows of a table are too long to read
 
 
 class Module(Protocol):

@@ -10,7 +10,7 @@ from experiments.artefacts import Artefacts
 from experiments.contents import NAMES, Module, Page, module
 from jaxsusp._files import atomic_path, write_text
 from jaxsusp.report.drawing.style import save
-from jaxsusp.report.render import to_csv, to_latex, to_markdown
+from jaxsusp.report.render import Column, to_csv, to_latex, to_markdown
 
 SITE = Path(__file__).parents[1] / "docs" / "results"
 """Where pages are kept, with their pictures: what people read on the site."""
@@ -32,9 +32,9 @@ def text_of(name: str, found: Module, page: Page) -> str:
         f"![{said(figure)}](images/{each}.png)\n\n*{said(figure)}*"
         for each, figure in page.figures.items()
     ]
-    parts += [
-        f"## {frame.attrs['title']}\n\n{to_markdown(frame)}" for frame in page.tables.values()
-    ]
+    tables = page.tables.values()
+    shown = [f"## {frame.attrs['title']}\n\n{to_markdown(frame)}" for frame in tables]
+    parts += [page.body] if page.body else shown
     parts.append(commands(name, found))
     return "\n\n".join(part.strip() for part in parts if part) + "\n"
 
@@ -101,7 +101,9 @@ def table_of_contents() -> pd.DataFrame:
                 "minutes": found.MINUTES,
             }
         )
-    return pd.DataFrame(rows)
+    frame = pd.DataFrame(rows)
+    frame.attrs["columns"] = {"minutes": Column("minutes", "{:g}".format)}
+    return frame
 
 
 def write_index(site: Path = SITE) -> Path:
@@ -110,9 +112,10 @@ def write_index(site: Path = SITE) -> Path:
     toctree = "\n".join(["```{toctree}", ":hidden:", "", *map(stem, NAMES), "```"])
     text = f"""# Results
 
-{__doc__.splitlines()[0]} Everything here is drawn by `make figures` from data that is kept in
-`experiments/data`; `make studies` makes those data anew, in about {total:.0f} minutes on two cores.
-Every number on these pages is recomputed from the data by the tests.
+The paper's tables and figures from our own results, and studies of what is true. `make figures`
+draws all of it from data that is kept in `experiments/data`; `make studies` makes those data anew,
+in about {total:.0f} minutes on two cores. Every number on these pages is recomputed from the data
+by the tests.
 
 {to_markdown(table_of_contents())}
 {toctree}

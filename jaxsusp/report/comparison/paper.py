@@ -63,6 +63,17 @@ def table1() -> xr.Dataset:
     )
 
 
+def tables2_3() -> pd.DataFrame:
+    """Tables 2 and 3, a row per algorithm and robot.
+
+    Columns algorithm ("pso" …), robot (1 …), end_x_m, end_y_m, end_z_m, max_cable_length_m.
+    """
+    source = resources.files("jaxsusp.report.comparison") / "data" / "tables2_3.csv"
+    with source.open(encoding="utf-8") as file:
+        rows = pd.read_csv(file)
+    return rows.assign(algorithm=rows["algorithm"].str.lower())
+
+
 def ratios(table: xr.Dataset, of: str = "sdbo", to: str = "dbo") -> xr.Dataset:
     """Metrics of one algorithm over those of another, per scenario: 0.25 is "75 % less"."""
     metrics = table[list(RATIOS)]

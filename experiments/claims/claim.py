@@ -1,0 +1,87 @@
+"""One claim with the evidence for and against it, and what follows."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import pandas as pd
+import xarray as xr
+
+from jaxsusp.optim.choices import PUBLISHED
+from jaxsusp.report.comparison import paper
+from jaxsusp.report.comparison.tables import summary
+
+RUNS = "python -m experiments make published.comparison"
+PRINT = "python -m experiments draw claims.ledger"
+"""Where the printed tables are enough."""
+
+
+class Claim(NamedTuple):
+    """A claim; `None` is a source that says nothing about it."""
+
+    where: str  # in the paper
+    claimed: str
+    printed_says: str
+    printed: bool | None  # whether the paper's own tables bear it out
+    ours_say: str
+    ours: bool | None  # whether our runs do
+    command: str = RUNS  # that makes what it is held against
+
+    @property
+    def verdict(self) -> str:
+        """What follows from both sources."""
+        return _VERDICTS[self.printed, self.ours]
+
+
+_VERDICTS = {
+    (True, True): "holds",
+    (True, False): "holds in print only",
+    (True, None): "holds in print",
+    (False, True): "contradicted by the print, holds in our runs",
+    (False, False): "does not hold",
+    (False, None): "contradicted by the print",
+    (None, True): "holds in our runs",
+    (None, False): "does not hold in our runs",
+    (None, None): "cannot be checked",
+}
+
+VERDICTS = tuple(dict.fromkeys(_VERDICTS.values()))
+
+
+class Evidence(NamedTuple):
+    """What claims are held against."""
+
+    table1: xr.Dataset  # printed
+    ends: pd.DataFrame  # printed, Tables 2 and 3
+    runs: xr.Dataset  # our comparison of the published algorithms
+    ours: xr.Dataset  # its metrics by scenario and algorithm, as in Table 1
+
+    @classmethod
+    def of(cls, runs: xr.Dataset) -> "Evidence":
+        """The evidence of a comparison that holds the four published algorithms."""
+        runs = runs.sel(algorithm=[*PUBLISHED])
+        ours = summary(runs)
+        # One time is measured for all scenarios; every one of them has its share.
+        ours["runtime"] = ours["runtime"].broadcast_like(ours["min"])
+        return cls(paper.table1(), paper.tables2_3(), runs, ours)
+
+
+def numbers(names: Iterable[str]) -> str:
+    """Their numbers: "1, 3" of scenario-1 and scenario-3."""
+    return ", ".join(str(name).rpartition("-")[2] for name in names)
+
+
+def within(names: Sequence[str]) -> str:
+    """Where something holds: "in scenarios 1, 3", "in scenario 2", "in no scenario"."""
+    if not names:
+        return "in no scenario"
+    return f"in scenario{'s' * (len(names) > 1)} {numbers(names)}"
+
+
+def change(ratio: float, decimals: int = 1) -> str:
+    """A ratio as a change in %, with its sign."""
+    return f"{100 * (ratio - 1):+.{decimals}f} %".replace("-", "−")
+
+
+def holding(flags: xr.DataArray) -> list[str]:
+    """The scenarios in which something holds."""
+    return flags["scenario"].values[flags.values].tolist()
