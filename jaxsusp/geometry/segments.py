@@ -103,7 +103,12 @@ MEETS = SweptTests(
 
 
 def segment_distance(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Float[Array, "..."]:
-    """Distance (m) between the segments a-b and c-d.
+    """Distance (m) between the segments a-b and c-d."""
+    return safe_sqrt(segment_distance_squared(a, b, c, d))
+
+
+def segment_distance_squared(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Float[Array, "..."]:
+    """Square of the distance (m²) between the segments a-b and c-d.
 
     The closest points of the two lines, brought back into the segments one after the other
     (Ericson, Real-Time Collision Detection, 5.1.9). Parallel segments start from the point a.
@@ -119,4 +124,4 @@ def segment_distance(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Float[Array, "..."]:
     s = jnp.clip((ab * t - ag) / aa, 0, 1)
     t = jnp.clip((ab * s + bg) / bb, 0, 1)
     closest = gap + s * one - t * two
-    return safe_sqrt(dot(closest, closest))
+    return dot(closest, closest)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Bool, Float
+from jaxsusp.vec3 import Vec3, safe_sqrt
 
 
 class InverseSolution(NamedTuple):
@@ -97,6 +98,53 @@ def inverse(
         return jnp.stack([phi1, direction - offset, phi3], axis=-1)
 
     return InverseSolution(branch(bend), branch(-bend), reachable(base, links, end))
+
+
+class Bent(NamedTuple):
+    """An arm that holds its end, with its elbow on one side; of any shape (m)."""
+
+    elbow: Vec3
+    end: Vec3  # where it was asked for, if that is in reach
+
+
+def bent(shoulder: Vec3, upper: Array, lower: Array, end: Vec3) -> tuple[Bent, Bent]:
+    """Where the arms of `inverse` are, elbow up, then down, component by component.
+
+    Without the angles themselves: in the upright plane through the shoulder and the end, directions
+    turn by products of sines and cosines, which cost a tenth of what angles do.
+
+    Args:
+        shoulder: top of the column (m).
+        upper: a2 (m), broadcastable to the components.
+        lower: a3 (m).
+        end: P_k (m).
+    """
+    away = end - shoulder
+    radial = safe_sqrt(away.x**2 + away.y**2)
+    square = radial**2 + away.z**2
+    cos1, sin1 = _unit(away.x, away.y, radial)
+    cos_end, sin_end = _unit(away.z, radial, safe_sqrt(square))  # φ from the vertical
+    cos3 = jnp.clip((square - upper**2 - lower**2) / (2 * upper * lower), -1, 1)
+    sin3 = safe_sqrt(1 - cos3**2)
+    straight, across = upper + lower * cos3, lower * sin3
+    cos_off, sin_off = _unit(straight, across, safe_sqrt(straight**2 + across**2))
+
+    def branch(side: int) -> Bent:  # 1: elbow up
+        sin2 = sin_end * cos_off - side * cos_end * sin_off
+        cos2 = cos_end * cos_off + side * sin_end * sin_off
+        sin23 = sin2 * cos3 + side * cos2 * sin3
+        cos23 = cos2 * cos3 - side * sin2 * sin3
+        elbow = shoulder + Vec3(sin2 * cos1, sin2 * sin1, cos2) * upper
+        return Bent(elbow, elbow + Vec3(sin23 * cos1, sin23 * sin1, cos23) * lower)
+
+    return branch(1), branch(-1)
+
+
+def _unit(x: Array, y: Array, length: Array) -> tuple[Array, Array]:
+    """(x, y) over its length; (1, 0) where that is nothing, as atan2 has it."""
+    nothing = length == 0
+    length = jnp.where(nothing, 1, length)
+    return jnp.where(nothing, 1, x / length), y / length
 
 
 def reachable(

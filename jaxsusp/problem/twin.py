@@ -113,5 +113,5 @@ def _limits(world: World, path: SampledPath, unit: Unit, with_stability: bool) -
 
 def _arms(world: World, path: SampledPath, bases: Vec3, price) -> Array:
     """Arms that are too close to something, each with the elbow that is less in the way."""
-    excess = arm_excess(world, path.position, path.ends, bases)  # (batch, samples, elbows, robots)
-    return price(excess).sum(axis=-3).min(axis=-2).sum(axis=-1)
+    excess = arm_excess(world, path.position, path.ends, bases)  # (elbows, robots, samples, batch)
+    return price(excess).sum(axis=2).min(axis=0).sum(axis=0)

@@ -1,8 +1,10 @@
 """The robots beside the load: where their columns and links are, and how close things come.
 
-Written for one set of ends, in the dtype of what it is given; the search maps it over candidates.
+Ends and bases are packed (K, samples, …) like everything that a search evaluates many of, with one
+sample where they stay; all is in the dtype of what is given.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -11,10 +13,10 @@ import numpy as np
 
 from jaxsusp._types import Array, Bool, Float, Int
 from jaxsusp.geometry.contacts import segments_clear
-from jaxsusp.geometry.segments import segment_distance
+from jaxsusp.geometry.segments import segment_distance, segment_distance_squared
 from jaxsusp.mechanics import arm
 from jaxsusp.scenario.world import Robots, World
-from jaxsusp.vec3 import Vec3, rows_of
+from jaxsusp.vec3 import Vec3, component, pack, pack_rows, safe_sqrt
 
 PARTS = 3
 """Bodies of an arm: column, upper link, lower link."""
@@ -47,7 +49,12 @@ def choose_postures(world: World, position: Vec3, ends: Float[Array, "cables xyz
         position: the load's centre at samples along axis 0 (m).
         ends: P_k (m).
     """
-    joints, chains, slack = _branches(world, world.robots, position, ends)
+    robots = world.robots
+    still = [pack_rows(each).each(lambda c: c[:, None]) for each in (ends, robots.base)]
+    slack = _slack(world, position, *still).min(axis=-1)
+    solution = arm.inverse(robots.base, robots.links, ends)
+    joints = jnp.stack([solution.elbow_up, solution.elbow_down])
+    chains = jax.vmap(arm.chain, in_axes=(None, None, 0))(robots.base, robots.links, joints)
     up = _prefer(slack)
     return Posture(
         jnp.where(up[:, None], *joints),
@@ -64,7 +71,8 @@ def choose_elbows(
     bases: Float[Array, "samples cables xyz"],
 ) -> Bool[Array, "cables"]:
     """Elbow up or down of arms that move, one choice per robot for the whole motion."""
-    return _prefer(_slacks(world, position, ends, bases).min(axis=0))
+    slack = _slack(world, Vec3.from_array(position), pack_rows(ends), pack_rows(bases))
+    return _prefer(slack.min(axis=-1))
 
 
 def count_arm_contacts(
@@ -80,13 +88,13 @@ def count_arm_contacts(
         ends: P_k packed (K, samples, …) (m).
         bases: O_k packed (K, samples, …) (m).
     """
-    faulty = (arm_excess(world, position, ends, bases) > 0).sum(axis=-3, dtype=jnp.int32)
-    return faulty.min(axis=-2).sum(axis=-1)
+    faulty = (arm_excess(world, position, ends, bases) > 0).sum(axis=2, dtype=jnp.int32)
+    return faulty.min(axis=0).sum(axis=0)
 
 
 def arm_excess(
     world: World, position: Vec3, ends: Vec3, bases: Vec3
-) -> Float[Array, "*batch samples elbows=2 cables"]:
+) -> Float[Array, "elbows=2 cables samples *batch"]:
     """What moving arms lack of their clearance (m) at samples, with elbows up, then down.
 
     Args:
@@ -95,33 +103,7 @@ def arm_excess(
         ends: P_k packed (K, samples, …) (m).
         bases: O_k packed (K, samples, …) (m).
     """
-    batch = position.x.shape[1:]
-    where = position.to_array().reshape(len(position.x), -1, 3)
-    held, feet = (rows_of(each).reshape(*where.shape[:2], -1, 3) for each in (ends, bases))
-    slack = jax.vmap(_slacks, in_axes=(None, 1, 1, 1))(world, where, held, feet)
-    return (ARM_MARGIN - slack).reshape(*batch, *slack.shape[1:])
-
-
-def _slacks(world: World, position, ends, bases) -> Float[Array, "samples elbows=2 cables"]:
-    """Slack at every sample with elbows up, then down."""
-
-    def at(where: Array, end: Array, base: Array) -> Array:
-        still = Vec3.from_array(where[None])
-        return _branches(world, world.robots._replace(base=base), still, end)[2]
-
-    return jax.vmap(at)(position, ends, bases)
-
-
-def _branches(world: World, robots: Robots, position: Vec3, ends) -> tuple[Array, Array, Array]:
-    """Joints, chains and slack with elbows up, then down; -1 where a joint limit forbids it."""
-    solution = arm.inverse(robots.base, robots.links, ends)
-    joints = jnp.stack([solution.elbow_up, solution.elbow_down])
-    chains = jax.vmap(arm.chain, in_axes=(None, None, 0))(robots.base, robots.links, joints)
-    slack = jax.vmap(_slack, in_axes=(None, None, None, None, 0))(
-        world, robots, position, ends, chains
-    )
-    allowed = (joints >= robots.joint_low[None]) & (joints <= robots.joint_high[None])
-    return joints, chains, jnp.where(allowed.all(axis=-1), slack, -1)
+    return ARM_MARGIN - _slack(world, position, ends, bases)
 
 
 def _prefer(slack: Float[Array, "elbows=2 cables"]) -> Bool[Array, "cables"]:
@@ -147,54 +129,98 @@ def separation_slack(world: World, chains: Float[Array, "cables points=4 xyz"]) 
     return jnp.minimum(gap.min(), apart.min()) - world.limits.separation
 
 
-def _slack(world: World, robots: Robots, position: Vec3, ends, chains) -> Float[Array, "cables"]:
-    """Least clearance of every arm beyond what is required; -1 where it meets an obstacle."""
-    bodies, count = world.bodies, len(chains)
-    starts, stops = _parts(chains)
-    axis = Vec3(0 * position.x, 0 * position.y, 0 * position.z + bodies.half_height)
-    load = segment_distance(
-        _spread(starts, 1), _spread(stops, 1),
-        _lead(position - axis, 2), _lead(position + axis, 2),
-    )  # (arms, parts, samples)  # fmt: skip
-    load = load.min(axis=-1) - bodies.radius
+_PART = (0, 1, 2, 1, 2)
+"""What is packed: the column, upper and lower link with the elbow up, the same with it down."""
 
-    hooks = Vec3(
-        *(
-            jnp.stack([component + at[k % len(at)] for k in range(count)])
-            for component, at in zip(position, bodies.attachments, strict=True)
-        )
+_LOWER = slice(2, None, 2)
+"""Those at whose stop the own cable begins."""
+
+
+def _slack(
+    world: World, position: Vec3, ends: Vec3, bases: Vec3
+) -> Float[Array, "elbows=2 cables samples *batch"]:
+    """Least clearance of every arm beyond what is required, elbows up, then down.
+
+    It is -1 where an arm meets an obstacle or a joint limit forbids the way it is bent.
+    """
+    bodies, count = world.bodies, ends.x.shape[0]
+    starts, stops = _packed_parts(world, ends, bases)
+    radii = jnp.asarray(world.robots.radius)
+    radius = _beside(jnp.stack([radii[:, part] for part in _PART]), ends)
+    shared = bodies.attachments.x.shape[0] == 1
+    hooks = [position + component(bodies.attachments, 0 if shared else k) for k in range(count)]
+
+    middle = _before(position, 2)
+    low, high = (middle._replace(z=middle.z + up * bodies.half_height) for up in (-1, 1))
+    load = segment_distance(starts, stops, low, high) - bodies.radius
+    square = jnp.full_like(load, jnp.inf)
+    for k, hook in enumerate(hooks):
+        cable = _before(hook, 2), _before(component(ends, k), 2)
+        away = segment_distance_squared(starts, stops, *cable)
+        own = np.zeros((len(_PART), count), bool)
+        own[_LOWER, k] = True
+        square = jnp.minimum(square, jnp.where(_beside(own, ends), jnp.inf, away))
+    cables = safe_sqrt(square) - bodies.cable_radius
+    least = jnp.minimum(load, cables) - radius - bodies.clearance
+
+    hooked = pack(hooks)
+    begun = ends + (hooked - ends) * NEAR_END
+    lower = (each.each(lambda c: c[_LOWER]) for each in (starts, stops))
+    own_link = segment_distance(*lower, _before(hooked, 1), _before(begun, 1))
+    own_link = own_link - bodies.cable_radius - radius[_LOWER]
+
+    clear = segments_clear(starts, stops, radius + bodies.clearance, world.obstacles)
+    clear, least = (_either(clear, jnp.logical_and), _either(least, jnp.minimum))
+    free = jnp.logical_and(clear, _allowed(world.robots, ends, bases))
+    return jnp.where(free, jnp.minimum(least, own_link), -1)
+
+
+def _either(packed: Array, join: Callable[[Array, Array], Array]) -> Array:
+    """What column and links have in common, with the elbow up and with it down."""
+    column, links = packed[0], (packed[1:3], packed[3:5])
+    return jnp.stack([join(column, join(*pair)) for pair in links])
+
+
+def _before(vector: Vec3, axes: int) -> Vec3:
+    """With so many axes of length one added in front."""
+    return vector.each(lambda c: c.reshape(*(1,) * axes, *c.shape))
+
+
+def _beside(rows, packed: Vec3):
+    """Numbers per robot (…, K), to be broadcast against packed places (…, K, samples, …)."""
+    return rows.reshape(*rows.shape, *(1,) * (packed.x.ndim - 1))
+
+
+def _packed_parts(world: World, ends: Vec3, bases: Vec3) -> tuple[Vec3, Vec3]:
+    """Where parts begin and end, (5, K, samples, …): column, links elbow up, links elbow down."""
+    column, upper, lower = (_beside(jnp.asarray(world.robots.links[:, i]), ends) for i in range(3))
+    shoulder = bases._replace(z=bases.z + column)
+    up, down = arm.bent(shoulder, upper, lower, ends)
+    return (
+        pack([bases, shoulder, up.elbow, shoulder, down.elbow]),
+        pack([shoulder, up.elbow, up.end, down.elbow, down.end]),
     )
-    cables = segment_distance(
-        _spread(starts, 2), _spread(stops, 2),
-        _lead(hooks, 2), _lead(_spread(Vec3.from_array(ends), 1), 2),
-    )  # (arms, parts, cables, samples)  # fmt: skip
-    own = np.zeros((count, PARTS, count), bool)
-    own[range(count), PARTS - 1, range(count)] = True  # the cable begins at the end of the link
-    cables = jnp.where(own, jnp.inf, cables.min(axis=-1)).min(axis=-1) - bodies.cable_radius
 
-    top = Vec3.from_array(ends).each(lambda c: c[:, None])
-    begun = top + (hooks - top) * NEAR_END
-    link = starts.each(lambda c: c[:, -1:]), stops.each(lambda c: c[:, -1:])
-    own_link = segment_distance(*link, hooks, begun).min(axis=-1)
-    own_link = own_link - bodies.cable_radius - robots.radius[:, -1]
 
-    least = (jnp.minimum(load, cables) - robots.radius).min(axis=-1) - bodies.clearance
-    least = jnp.minimum(least, own_link)
-    wide = robots.radius + bodies.clearance
-    clear = segments_clear(starts, stops, wide, world.obstacles)
-    return jnp.where(clear.all(axis=-1), least, -1)
+def _allowed(robots: Robots, ends: Vec3, bases: Vec3) -> Bool[Array, "elbows=2 cables ..."]:
+    """Whether joint limits allow elbows up, down; without limits no angle is computed."""
+
+    def look() -> Array:
+        links = [_beside(jnp.asarray(robots.links[:, i]), ends) for i in range(3)]
+        solution = arm.inverse(
+            bases.to_array(), jnp.stack(jnp.broadcast_arrays(*links), axis=-1), ends.to_array()
+        )
+        low, high = (
+            jnp.moveaxis(_beside(jnp.asarray(each).T, ends), 0, -1)
+            for each in (robots.joint_low, robots.joint_high)
+        )
+        joints = (solution.elbow_up, solution.elbow_down)
+        return jnp.stack([((each >= low) & (each <= high)).all(axis=-1) for each in joints])
+
+    limited = jnp.isfinite(robots.joint_low).any() | jnp.isfinite(robots.joint_high).any()
+    return jax.lax.cond(limited, look, lambda: jnp.ones((2, *ends.x.shape), bool))
 
 
 def _parts(chains) -> tuple[Vec3, Vec3]:
     """Where the parts of every arm begin and end, components (arms, parts)."""
     return Vec3.from_array(chains[:, :-1]), Vec3.from_array(chains[:, 1:])
-
-
-def _spread(vector: Vec3, axes: int) -> Vec3:
-    """With so many axes of length one added behind."""
-    return vector.each(lambda c: c.reshape(*c.shape, *(1,) * axes))
-
-
-def _lead(vector: Vec3, axes: int) -> Vec3:
-    """With so many axes of length one added in front."""
-    return vector.each(lambda c: c.reshape(*(1,) * axes, *c.shape))

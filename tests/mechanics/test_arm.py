@@ -12,7 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jaxsusp as js
-from jaxsusp.mechanics.arm import elbow, forward, inverse, reach, reachable, shoulder_distance
+from jaxsusp.mechanics.arm import (
+    bent,
+    chain,
+    elbow,
+    forward,
+    inverse,
+    reach,
+    reachable,
+    shoulder_distance,
+)
+from jaxsusp.vec3 import Vec3
 
 LINKS = jnp.array([4.0, 3.0, 2.0])
 BASES = jnp.array([[0.0, 5.0, 0.0], [-2.5 * np.sqrt(3), -2.5, 0.0], [2.5 * np.sqrt(3), -2.5, 0.0]])
@@ -143,3 +153,21 @@ def test_every_printed_row_would_need_a_cable_that_pushes(table_2, scenarios):
         )
         tensions = js.tensions(scenario.model_copy(update={"robots": robots}), places)
         assert (np.asarray(tensions).min(axis=1) < 0).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bent_arms_are_those_of_the_joint_angles(seed):
+    """In reach, out of it and straight above the base: elbow and end as the chain has them."""
+    random = np.random.default_rng(seed)
+    base = random.normal(size=(50, 3))
+    links = random.uniform(1, 4, size=(50, 3))
+    end = base + random.normal(size=(50, 3)) * 4
+    end[0] = base[0] + [0, 0, links[0].sum() - 0.5]
+    shoulder = base + np.eye(3)[2] * links[:, :1]
+    top, hand = (Vec3.from_array(jnp.array(each)) for each in (shoulder, end))
+    found = bent(top, *map(jnp.array, links[:, 1:].T), hand)
+    solution = inverse(jnp.array(base), jnp.array(links), jnp.array(end))
+    for arm, joints in zip(found, (solution.elbow_up, solution.elbow_down), strict=True):
+        points = chain(jnp.array(base), jnp.array(links), joints)
+        np.testing.assert_allclose(arm.elbow.to_array(), points[:, 2], atol=1e-6)
+        np.testing.assert_allclose(arm.end.to_array(), points[:, 3], atol=1e-6)
