@@ -165,8 +165,8 @@ def _slack(
 
     hooked = pack(hooks)
     begun = ends + (hooked - ends) * NEAR_END
-    lower = (each.each(lambda c: c[_LOWER]) for each in (starts, stops))
-    own_link = segment_distance(*lower, _before(hooked, 1), _before(begun, 1))
+    begins, ends_at = (each.each(lambda c: c[_LOWER]) for each in (starts, stops))
+    own_link = segment_distance(begins, ends_at, _before(hooked, 1), _before(begun, 1))
     own_link = own_link - bodies.cable_radius - radius[_LOWER]
 
     clear = segments_clear(starts, stops, radius + bodies.clearance, world.obstacles)
