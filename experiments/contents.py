@@ -11,7 +11,13 @@ from matplotlib.figure import Figure
 from experiments.artefacts import Artefacts
 from jaxsusp.errors import require_known
 
-NAMES = ("published.comparison",)
+NAMES = (
+    "published.comparison",
+    "studies.ablation",
+    "studies.budgets",
+    "studies.origin",
+    "studies.spaces",
+)
 """Modules of this folder; what stands later may read the data of what stands before it."""
 
 
