@@ -1,5 +1,6 @@
 """Effects of the ablation with their intervals, as tables, picture and words."""
 
+import json
 from itertools import combinations
 from typing import Any
 
@@ -12,7 +13,7 @@ from scipy.stats import rankdata
 from experiments.words import between, counted, listed, signed
 from jaxsusp.report.drawing.intervals import Estimates, Look, rows_of_intervals
 from jaxsusp.report.drawing.style import legend, panels, picture
-from jaxsusp.report.render import Column, evaluations, significant, two_decimals
+from jaxsusp.report.render import Column, plain, significant, two_decimals
 from jaxsusp.studies.ablation import VARIANTS, Switches
 from jaxsusp.studies.factorial import effect
 from jaxsusp.studies.resampling import crossed_interval
@@ -84,11 +85,15 @@ def main_table(found: pd.DataFrame, sets: dict[str, xr.Dataset]) -> pd.DataFrame
     frame = _shown(found[found["effect"].isin(names)])
     cost = _cost(next(iter(sets.values())))
     frame.insert(3, "cost", [cost[each] for each in frame["effect"]])
-    frame.attrs["columns"]["cost"] = Column("evaluations", lambda share: f"{share:+.0%}")
+    frame.attrs["columns"]["cost"] = Column("evaluations (%)", lambda share: signed(100 * share))
     equations = [f"{short} is {EQUATIONS[name]}" for name, short in SHORT.items()]
     frame.attrs["title"] = "What each improvement is worth"
+    made = json.loads(next(iter(sets.values())).attrs["settings"])
     frame.attrs["caption"] = (
-        "Change when an improvement comes on, in the mean over all combinations of the other three "
+        f"{made['iterations']} iterations or as many evaluations as DBO needs for them, "
+        f"{made['runs']} runs on each of the six scenarios, {made['runs_of_random']} on each "
+        "random scene. Change when an improvement comes on, in the mean over all combinations of "
+        "the other three "
         f"({ALL}: SDBO against DBO), and the 95 % interval of a bootstrap over runs and, for the "
         "random scenes, over scenes. Rank among the sixteen variants in one scene and run, 1 the "
         "best; fitness: change of its geometric mean in %; clear: change of the share of clear "
@@ -104,7 +109,8 @@ def pair_table(found: pd.DataFrame) -> pd.DataFrame:
     frame.attrs["title"] = "What two improvements change in each other"
     frame.attrs["caption"] = (
         "Effect of either where the other is on minus that where it is off, as above; in fitness, "
-        "the ratio of the two changes. Above 0: together they are worth less than the sum of both."
+        "the ratio of the two changes. Above 0 in rank and fitness, below it in clear runs: "
+        "together they are worth less than each by itself says."
     )
     return frame
 
@@ -127,7 +133,7 @@ def variant_table(sets: dict[str, xr.Dataset]) -> pd.DataFrame:
             rows.append(row)
     frame = pd.DataFrame(rows)
     looks = {
-        "spent": ("evaluations", evaluations), "rank": ("rank", two_decimals),
+        "spent": ("evaluations", plain), "rank": ("rank", two_decimals),
         "fitness": ("fitness", significant), "clear": ("clear (%)", lambda x: f"{x:.0f}"),
     }  # fmt: skip
     frame.attrs["columns"] = {
@@ -174,7 +180,7 @@ def figure(found: pd.DataFrame) -> Figure:
         ("random", "iterations"): Look("random scenes, equal iterations", "#C43C00", "D"),
         ("random", "evaluations"): Look("equal evaluations", "#C43C00", "D", filled=False),
     }
-    indexed = found.set_index(["scenes", "budget", "effect"])
+    indexed = found.set_index(["scenes", "budget", "effect"]).sort_index()
     there = [key for key in looks if key[0] in set(found["scenes"])]
     for panel, (measure, heading) in zip(axes, MEASURES.items(), strict=True):
         series = []
@@ -184,8 +190,8 @@ def figure(found: pd.DataFrame) -> Figure:
             series.append(Estimates(looks[key], *columns))
         rows_of_intervals(panel, names, series)
         better = "→ better" if measure == "clear" else "← better"
-        panel.set_xlabel(f"change of {heading}\n{better}", fontsize=8)
-    legend(drawing, [looks[key].sample for key in there], size=8, columns=2)
+        panel.set_xlabel(f"change of {heading}\n{better}", fontsize=8.0)
+    legend(drawing, [looks[key].sample for key in there], size=8.0, columns=2)
     drawing.set_label(
         "What changes when an improvement comes on, in the mean over all combinations of the "
         f"others, and, {ALL}, from DBO to SDBO; lines: 95 % intervals. Rank is among the sixteen "
@@ -199,7 +205,7 @@ def _with_bounds(measure: str) -> tuple[str, str, str]:
 
 
 def findings(found: pd.DataFrame, sets: dict[str, xr.Dataset]) -> str:
-    """What is so, by fitness, in words."""
+    """What is so, by rank, in words."""
     said = []
     for name, ds in sets.items():
         where = f"On {SETS[name]}" if name == "six" else f"On {ds.sizes['scenario']} {SETS[name]}"
@@ -210,34 +216,41 @@ def findings(found: pd.DataFrame, sets: dict[str, xr.Dataset]) -> str:
             where = "There"
     base = [*sets.values()][-1]
     extra = _cost(base)
-    dear = [f"{name} ({extra[name]:+.0%})" for name in SHORT.values() if extra[name] > 0.05]
-    return " ".join([*said, f"Evaluations are what {listed(dear)} cost.", _pairs(found)])
+    dear = [
+        f"{name} ({signed(100 * extra[name])} %)" for name in SHORT.values() if extra[name] > 0.05
+    ]
+    return " ".join(
+        [*said, f"Evaluations at equal iterations are what {listed(dear)} cost.", _pairs(found)]
+    )
 
 
 def _verdict(row: pd.Series) -> str:
     """Whether an interval leaves a sign open."""
-    if row["fitness_low"] > 0:
+    if row["rank_low"] > 0:
         return "makes it worse"
-    return "helps" if row["fitness_high"] < 0 else "open"
+    return "helps" if row["rank_high"] < 0 else "open"
 
 
 def _whole(rows: pd.DataFrame) -> str:
     row = rows.loc[ALL]
+    rank = f"{signed(row['rank'])} ({between(row['rank_low'], row['rank_high'])})"
     change = f"{signed(row['fitness'])} % ({between(row['fitness_low'], row['fitness_high'])})"
     clear = f"{signed(row['clear'])} points ({between(row['clear_low'], row['clear_high'])})"
     verdict = {
         "helps": "SDBO is better than DBO",
         "makes it worse": "SDBO is worse than DBO",
-        "open": "SDBO cannot be told from DBO by its fitness",
+        "open": "SDBO cannot be told from DBO by its rank",
     }[_verdict(row)]
-    return f"{verdict}: fitness {change}, clear runs {clear}"
+    return f"{verdict}: rank {rank}, fitness {change}, clear runs {clear}"
 
 
 def _each(rows: pd.DataFrame) -> str:
     groups: dict[str, list[str]] = {"helps": [], "makes it worse": [], "open": []}
     for name in SHORT.values():
         row = rows.loc[name]
-        groups[_verdict(row)].append(f"{name} ({signed(row['fitness'])} %)")
+        groups[_verdict(row)].append(
+            f"{name} ({signed(row['rank'])} ranks, fitness {signed(row['fitness'])} %)"
+        )
     words = {
         "helps": ("what helps is", ""),
         "makes it worse": ("what makes it worse is", ""),
@@ -253,11 +266,11 @@ def _pairs(found: pd.DataFrame) -> str:
     sure = pairs[[_verdict(row) != "open" for _, row in pairs.iterrows()]]
     if not len(sure):
         return f"Of {counted(len(pairs), 'interaction')} of two none can be told from nothing."
-    size = np.abs(np.log1p(sure["fitness"] / 100))
-    row = sure.loc[size.idxmax()]
-    way = "less than" if row["fitness"] > 0 else "more than"
+    row = sure.loc[sure["rank"].abs().idxmax()]
+    way = "less than" if row["rank"] > 0 else "more than"
     return (
-        f"{len(sure)} of {counted(len(pairs), 'interaction')} of two can be told from nothing; the "
+        f"{len(sure)} of {counted(len(pairs), 'interaction')} of two can be told from nothing, "
+        "each interval by itself; the "
         f"strongest is {row['effect']} on {SETS[row['scenes']]} at equal {row['budget']}, where "
-        f"both together are worth {way} each by itself says ({signed(row['fitness'])} %)."
+        f"both together are worth {way} each by itself says ({signed(row['rank'])} ranks)."
     )

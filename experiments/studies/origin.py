@@ -100,7 +100,11 @@ def functions(settings: Settings, work: Work) -> xr.Dataset:
     return xr.Dataset(
         {"fitness": (("algorithm", "case", "function", "run"), np.stack([*found.values()]))},
         {"algorithm": [*found], "case": [*CASES], "function": [*settings.functions]},
-        {"settings": json.dumps(settings._asdict()), **dataset.provenance()},
+        {
+            "settings": json.dumps(settings._asdict()),
+            "dim": settings.dim,
+            **dataset.provenance(),
+        },
     )
 
 

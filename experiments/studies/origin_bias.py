@@ -28,6 +28,9 @@ FLOOR = 1e-16
 ALIKE = 1e-6
 """Relative difference of two fitness values of one and the same run."""
 
+LEAST = 0.05
+"""Changes below, in per cent or decades, are none."""
+
 WORLD = ("dbo", "sdbo")
 
 Changes = dict[tuple[str, float], Change]
@@ -89,21 +92,21 @@ def figure(changes: Changes, functions: xr.Dataset) -> Figure:
         middle = error.sel(algorithm=name, case=[*CASES]).values
         right.plot(range(len(CASES)), middle, lw=1.2, markersize=4.5, **line)
     left.set_xticks(range(len(distances) + 1), ["0", *(f"{each:g}" for each in distances)])
-    left.set_xlabel("distance from where the task is (m)", fontsize=8)
-    left.set_ylabel("change of fitness (%)", fontsize=8)
+    left.set_xlabel("distance from where the task is (m)", fontsize=8.0)
+    left.set_ylabel("change of fitness (%)", fontsize=8.0)
     right.set_xticks(range(len(CASES)), [*CASES])
-    right.set_ylabel("error, mean decade", fontsize=8)
+    right.set_ylabel("error, mean decade", fontsize=8.0)
     right.yaxis.set_major_formatter(lambda value, _: f"$10^{{{value:.0f}}}$")
-    right.set_xlabel("classical functions", fontsize=8)
+    right.set_xlabel("classical functions", fontsize=8.0)
     for panel, title in ((left, "tasks"), (right, "functions")):
-        panel.tick_params(labelsize=8)
+        panel.tick_params(labelsize=8.0)
         panel.set_title(title, loc="left", fontsize=9, color=INK)
-    legend(drawing, [line_sample(style) for style in look.values()], size=8, columns=5)
+    legend(drawing, [line_sample(style) for style in look.values()], size=8.0, columns=5)
     drawing.set_label(
         "Left: change of the geometric mean of the fitness where the tasks lie elsewhere, with "
         "95 % intervals. Right: geometric mean of the errors in the classical functions as they "
         "are printed, moved together with their bounds, with the optimum shifted within the "
-        f"bounds, and turned as well; errors below {FLOOR:g} count as that."
+        "bounds, and turned as well; errors below 10⁻¹⁶ count as that."
     )
     return drawing
 
@@ -128,19 +131,26 @@ def task_table(tasks: xr.Dataset, changes: Changes) -> pd.DataFrame:
             }
         )
     frame = pd.DataFrame(rows)
+
+    def shown(change: float) -> str:
+        return signed(change) if abs(change) >= LEAST else "0"
+
     frame.attrs["title"] = "Tasks that are moved"
     frame.attrs["columns"] = {
         "distance": Column("distance (m)", "{:g}".format),
-        "fitness": Column("fitness (%)", signed),
-        "low": Column("from", signed),
-        "high": Column("to", signed),
+        "fitness": Column("fitness (%)", shown),
+        "low": Column("from", shown),
+        "high": Column("to", shown),
         "clear_here": Column("clear at 0 m", out_of="runs"),
         "alike": Column("alike (%)", lambda share: f"{100 * share:.0f}"),
     }
     frame.attrs["caption"] = (
-        "Change of the geometric mean of the fitness against the same tasks where they are, with "
-        "the 95 % interval of a bootstrap over the runs; clear runs; and the share of runs that "
-        f"end with the same fitness (to {ALIKE:g} of it) at all distances above 0."
+        f"Waypoints anywhere in the box, {int(tasks['iterations'][0, 0])} iterations. Change of "
+        "the geometric mean of the fitness against the same tasks where they are, with the 95 % "
+        f"interval of a bootstrap over the {tasks.sizes['run']} runs of every scenario; clear "
+        "runs; and the share of runs that end with the same fitness (to a millionth) at all "
+        "distances above 0. In the task's frame the middle of all moves is computed from the "
+        "origin in float32: runs that differ do so by rounding, which grows."
     )
     return frame
 
@@ -163,8 +173,8 @@ def function_table(functions: xr.Dataset) -> pd.DataFrame:
         name: Column(label(name), lambda error: significant(error, 2)) for name in names
     }
     frame.attrs["caption"] = (
-        f"Median error of {functions.sizes['run']} runs; the least of a row, and what is below "
-        f"{FLOOR:g}, is bold."
+        f"Median error of {functions.sizes['run']} runs, in {functions.attrs['dim']} variables; "
+        "the least of a row, and what is below 10⁻¹⁶, is bold."
     )
     return frame
 
@@ -176,17 +186,20 @@ def findings(tasks: xr.Dataset, changes: Changes, functions: xr.Dataset) -> str:
     said = [_moved(name, changes, same[name], farthest) for name in WORLD if name in names]
     others = [name for name in names if name not in WORLD]
     kept = [name for name in others if same[name] > 0.9]
+    told = listed([*map(label, kept)])
     said.append(
-        f"Of the {len(others)} others {len(kept)} end at least nine runs in ten alike to "
-        f"{ALIKE:g} wherever their tasks are moved to ({listed([*map(label, kept)])})"
+        f"Of the {len(others)} others {len(kept)} end at least nine runs in ten alike, to a "
+        f"millionth of the fitness, wherever their tasks are moved to: {told}"
         + _exceptions([name for name in others if name not in kept], same)
     )
-    for name in names:
-        if name in WORLD:
-            said.append(_lost(functions, name, "printed", "moved"))
-        if name.endswith("-task"):
-            said.append(_lost(functions, name, "printed", "moved"))
-            said.append(_lost(functions, name, "moved", "shifted"))
+    ways = {
+        ("printed", "moved"): "functions are moved together with their bounds",
+        ("moved", "shifted"): "their optimum is shifted off the middle of the bounds instead",
+        ("shifted", "turned"): "they are turned as well",
+    }
+    for (one, other), told in ways.items():
+        losses = {name: lost(functions, name, one, other) for name in names}
+        said.append(f"Where {told}, {_losers(losses)}.")
     error = decades(functions).mean(("function", "run"))
     best = {case: str(error.sel(case=case).idxmin("algorithm").item()) for case in CASES}
     said.append(
@@ -202,24 +215,26 @@ def _moved(name: str, changes: Changes, same: float, farthest: float) -> str:
     verdict = {1: "worse", -1: "better", 0: "not surely other"}[change.sure]
     return (
         f"{label(name)} is {verdict} where tasks lie {farthest:g} m away: fitness "
-        f"{signed(change.middle)} % ({between(change.low, change.high)}), and {same:.0%} of its "
-        "runs end alike at all distances."
+        f"{signed(change.middle)} % ({between(change.low, change.high)}); {100 * same:.0f} % of "
+        "its runs end alike at all distances."
     )
 
 
 def _exceptions(names: list[str], same: dict[str, float]) -> str:
-    told = [f"{label(name)}, {same[name]:.0%}" for name in names]
-    return f"; not so {listed(told)}." if told else "."
+    told = [f"{label(name)} ({100 * same[name]:.0f} %)" for name in names]
+    if not told:
+        return "."
+    why = ", by rounding that grows" if all(name.endswith("-task") for name in names) else ""
+    return f"; fewer runs of {listed(told)} do{why}."
 
 
-def _lost(functions: xr.Dataset, name: str, one: str, other: str) -> str:
-    change = lost(functions, name, one, other)
-    ways = {
-        "moved": "functions are moved together with their bounds",
-        "shifted": "their optimum is shifted away from the middle of the bounds",
-    }
-    amount = f"{abs(change.middle):.1f} decades ({between(change.low, change.high)})"
-    if not change.sure:
-        return f"Where {ways[other]}, the error of {label(name)} is not surely another."
-    verb = "loses" if change.sure > 0 else "gains"
-    return f"Where {ways[other]}, {label(name)} {verb} {amount} of its error."
+def _losers(losses: dict[str, Change]) -> str:
+    """Who loses how many decades, who gains, who keeps its error."""
+    groups: dict[int, list[str]] = {1: [], -1: [], 0: []}
+    for name, change in losses.items():
+        sign = change.sure if abs(change.middle) >= LEAST else 0
+        amount = f"{label(name)} {abs(change.middle):.1f} decades"
+        groups[sign].append(amount if sign else label(name))
+    words = {1: "errors grow:", -1: "errors fall:", 0: "no sure change:"}
+    parts = [f"{words[key]} {listed(found)}" for key, found in groups.items() if found]
+    return "; ".join(parts)

@@ -33,7 +33,7 @@ DIFFERS = (
     "cost?"
 )
 MADE = READ = ("spaces",)
-MINUTES = 4.0
+MINUTES = 3.0
 
 
 class Settings(NamedTuple):
@@ -153,8 +153,8 @@ def figure(changes: Changes) -> Figure:
             for search, look in looks.items()
         ]
         rows_of_intervals(panel, [*map(label, names)], series)
-        panel.set_xlabel(heading, fontsize=8)
-    legend(drawing, [look.sample for look in looks.values()], size=8)
+        panel.set_xlabel(heading, fontsize=8.0)
+    legend(drawing, [look.sample for look in looks.values()], size=8.0)
     drawing.set_label(
         "What changes where waypoints are kept in the free space, its polytopes or the ellipsoids "
         "in them, rather than anywhere in the box; lines: 95 % intervals over runs."
@@ -201,7 +201,8 @@ def table(ds: xr.Dataset, changes: Changes) -> pd.DataFrame:
         "points_high": Column("to", change),
     }
     frame.attrs["caption"] = (
-        "Median over all runs of the gap to the best known fitness; change against the box of the "
+        f"{int(ds['iterations'][0, 0])} iterations. Median over all runs of the gap to the best "
+        "known fitness; change against the box of the "
         "geometric mean of the fitness and of the share of clear runs, with 95 % intervals of a "
         f"bootstrap over the {ds.sizes['run']} runs of every scenario."
     )

@@ -22,7 +22,7 @@ from jaxsusp.optim.algorithms.sdbo import (
     sine_cosine_moves,
     stabilised,
 )
-from jaxsusp.optim.base import NoInfo, Optimizer, State
+from jaxsusp.optim.base import NoInfo, Optimizer
 from jaxsusp.problem.problem import Problem
 
 
@@ -50,8 +50,8 @@ def switched(made: Switches) -> Optimizer:
     return Optimizer("sdbo", Partial(_init, on), Partial(_step, on, chosen))
 
 
-def _init(on: Switches, key, problem: Problem, population: int, iterations) -> State:
-    def begun(opposition: bool) -> State:
+def _init(on: Switches, key, problem: Problem, population: int, iterations):
+    def begun(opposition: bool):
         return sdbo(opposition=opposition).init(key, problem, population, iterations)
 
     return jax.lax.cond(on.opposition, lambda: begun(True), lambda: begun(False))

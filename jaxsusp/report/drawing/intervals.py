@@ -44,7 +44,7 @@ class Estimates(NamedTuple):
 
 
 def rows_of_intervals(
-    axes: Axes, names: Sequence[str], series: Sequence[Estimates], size: float = 8
+    axes: Axes, names: Sequence[str], series: Sequence[Estimates], size: float = 8.0
 ) -> None:
     """A row per name, the series below each other in it, and a line where nothing changes.
 

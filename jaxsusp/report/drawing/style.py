@@ -174,7 +174,7 @@ _ACROSS = 185
 
 
 def legend(
-    figure: Figure, handles: Sequence[Artist], size: float = 10, columns: int | None = None
+    figure: Figure, handles: Sequence[Artist], size: float = 10.0, columns: int | None = None
 ) -> None:
     """One row below the panels, where it hides nothing; more rows of many or long entries.
 
