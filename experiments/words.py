@@ -4,6 +4,9 @@ from collections.abc import Sequence
 
 from jaxsusp.report.render import significant
 
+ROUNDING = 1e-7
+"""Magnitude below which a number that is told with its sign is none."""
+
 
 def listed(parts: Sequence[str], nothing: str = "none") -> str:
     """One, two and three: "a, b and c"."""
@@ -14,7 +17,9 @@ def listed(parts: Sequence[str], nothing: str = "none") -> str:
 
 
 def signed(number: float, digits: int = 2) -> str:
-    """A number with its sign, a true minus."""
+    """A number with its sign, a true minus; what is rounding alone is 0."""
+    if abs(number) < ROUNDING:
+        return "0"
     sign = "−" if number < 0 else "+"
     return sign + significant(abs(number), digits)
 
