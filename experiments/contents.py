@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 from experiments.artefacts import Artefacts
 from jaxsusp.errors import require_known
 
-NAMES = ("published.comparison", "claims.ledger")
+NAMES = (
+    "published.comparison",
+    "claims.ledger",
+    "studies.ablation",
+    "studies.budgets",
+    "studies.origin",
+    "studies.spaces",
+)
 """Modules of this folder; what stands later may read the data of what stands before it."""
 
 

@@ -153,6 +153,14 @@ class Unit(NamedTuple):
         return self.per_run.total(self.iterations) + self._after
 
     @property
+    def _room(self) -> int:
+        """Iterations asked for, or twice, four times, … as many: budgets share a program."""
+        room = max(1, self.asked)
+        while room < self.iterations:
+            room *= 2
+        return room
+
+    @property
     def _after(self) -> int:
         return EVALUATIONS if self.polish else 0
 
@@ -178,6 +186,7 @@ class Unit(NamedTuple):
             range(runs),
             self.iterations,
             self.population,
+            self._room,
         )
 
     def compute(self, seed: int, runs: Sequence[int], report: Callable[[int], None]) -> xr.Dataset:
@@ -196,6 +205,7 @@ class Unit(NamedTuple):
             self.iterations,
             self.population,
             report,
+            self._room,
         )
         if self.polish:
             outcome = polish_batch(self.group.problems, outcome)

@@ -47,6 +47,7 @@ def run_batch(
     iterations: int,
     population: int,
     report: Callable[[int], None] | None = None,
+    room: int = 0,
 ) -> Outcome:
     """Minimise stacked problems, several independent runs each, in one compiled program.
 
@@ -58,12 +59,15 @@ def run_batch(
         iterations: number T of iterations.
         population: number N of candidates.
         report: called with the number of finished iterations after every chunk.
+        room: iterations that the program has room for, at least those that are made: runs of
+            different lengths with equal room share what takes long to compile.
 
     Returns:
         An `Outcome`; compilation (none if the program is at hand) and computation timed apart.
     """
     clock = time.perf_counter()
-    with _launched(problems, optimizer, seed, runs, iterations, population) as (go, progress):
+    sizes = population, iterations, max(iterations, room)
+    with _launched(problems, optimizer, seed, runs, *sizes) as (go, progress):
         seconds_compile = time.perf_counter() - clock
         clock = time.perf_counter()
         for first, stop in itertools.pairwise(_stops(iterations)):
@@ -81,13 +85,15 @@ def time_iteration(
     runs: Sequence[int],
     iterations: int,
     population: int,
+    room: int = 0,
 ) -> float:
     """Seconds that one iteration of a batch takes on this machine, compilation not included.
 
     The first three of the chunks of `run_batch` are run and the quickest counts: whatever else the
     machine does can only delay. Arguments are those of `run_batch`.
     """
-    with _launched(problems, optimizer, seed, runs, iterations, population) as (go, progress):
+    sizes = population, iterations, max(iterations, room)
+    with _launched(problems, optimizer, seed, runs, *sizes) as (go, progress):
         seconds = []
         for first, stop in itertools.pairwise(_stops(iterations)[:4]):
             clock = time.perf_counter()
@@ -108,8 +114,9 @@ def _launched(
     optimizer: Optimizer,
     seed: int,
     runs: Sequence[int],
-    iterations: int,
     population: int,
+    iterations: int,
+    room: int,
 ) -> Iterator[tuple[Callable[[Progress, int, int], Progress], Progress]]:
     """Compile a batch and begin it: `go(progress, first, stop)` advances it, and waits."""
     dtype = problems.lower.dtype
@@ -118,7 +125,7 @@ def _launched(
         padded = [*runs, *[runs[-1]] * (-len(runs) % len(devices))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         arguments = (jax.tree.map(jnp.asarray, problems), optimizer, keys)
-        start, advance_all = _programs(tuple(devices), population, iterations)
+        start, advance_all = _programs(tuple(devices), population, iterations, room)
 
         def go(progress: Progress, first: int, stop: int) -> Progress:
             return jax.block_until_ready(advance_all(*arguments, progress, first, stop))
@@ -127,7 +134,7 @@ def _launched(
 
 
 @functools.lru_cache(maxsize=64)
-def _programs(devices: tuple, population: int, iterations: int):
+def _programs(devices: tuple, population: int, iterations: int, room: int):
     """Compiled-once entry points (start, go); JAX keys them by the shapes of their arguments."""
     mesh = Mesh(np.asarray(devices), ("runs",))
     per_run, everywhere = PartitionSpec("runs"), PartitionSpec()
@@ -135,7 +142,7 @@ def _programs(devices: tuple, population: int, iterations: int):
 
     def start(problems: Problem, optimizer: Optimizer, keys: Array) -> Progress:
         def one(problem, key):
-            return begin(optimizer, problem, key, population, iterations)
+            return begin(optimizer, problem, key, population, iterations, room)
 
         return jax.vmap(jax.vmap(one, in_axes=(None, 0)), in_axes=(0, None))(problems, keys)
 
@@ -160,4 +167,5 @@ def _collect(progress: Progress, runs: int, iterations: int, compile_time, run_t
 
     best, history, info = jax.tree.map(on_host, progress._replace(state=progress.state.best))
     means = jax.tree.map(lambda total: total / iterations, info)
+    history = history[..., :iterations]
     return Outcome(best.x, best.fitness, history, means, compile_time, run_time)

@@ -59,13 +59,14 @@ def begin(
     key: Key[Array, ""],
     population: int,
     iterations: int,
+    room: int = 0,
 ) -> Progress:
-    """Evaluate the initial population of one run."""
+    """Evaluate the initial population of one run; its history has room for no less iterations."""
     state = optimizer.init(jax.random.fold_in(key, 0), problem, population, iterations)
     info = jax.eval_shape(optimizer.step, key, problem, state)[1]
     return Progress(
         state,
-        jnp.full((iterations,), jnp.inf, state.best.fitness.dtype),
+        jnp.full((max(iterations, room),), jnp.inf, state.best.fitness.dtype),
         jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), info),
     )
 

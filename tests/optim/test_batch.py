@@ -39,6 +39,19 @@ def test_a_run_does_not_depend_on_what_shares_the_batch(scenarios, name):
     assert np.isfinite(both.history).all()
 
 
+def test_runs_of_different_lengths_share_a_program_with_room_for_both(scenarios):
+    """A shorter run is one that stops; what it finds is what it finds in a program of its own."""
+    problems = stacked([scenarios[0], scenarios[2]])
+    whole = run_batch(problems, algorithm("pso"), 0, range(4), **SIZES)
+    short = run_batch(problems, algorithm("pso"), 0, range(4), 10, 30, room=40)
+    assert short.history.shape == (2, 4, 10)
+    _, go = batch._programs(tuple(jax.devices()[:2]), 30, 10, 40)
+    assert go._cache_size() == 1
+    clocked = run_batch(problems, algorithm("pso"), 0, range(4), 10, 30)
+    np.testing.assert_array_equal(short.history, clocked.history)
+    assert (short.history[..., 0] == whole.history[..., 0]).all(), "inertia begins alike"
+
+
 def test_one_compilation_serves_all_six_scenarios(scenarios):
     """Stacked or one after the other, scenarios of one shape never compile twice."""
     traces = []
@@ -56,7 +69,7 @@ def test_one_compilation_serves_all_six_scenarios(scenarios):
     again = run_batch(moved, optimizer, 1, range(2), 4, 6)
     assert len(traces) == once
     assert again.seconds_compile < outcome.seconds_compile
-    start, go = batch._programs(tuple(jax.devices()[:2]), 6, 4)
+    start, go = batch._programs(tuple(jax.devices()[:2]), 6, 4, 4)
     assert start._cache_size() == go._cache_size() == 1
 
 

@@ -13,7 +13,7 @@ from drawn import SIZES, drawn
 
 import jaxsusp as js
 from jaxsusp.optim.algorithms.dbo import DboCoefficients, area, roles
-from jaxsusp.optim.algorithms.sdbo import SdboCoefficients, _sine_cosine
+from jaxsusp.optim.algorithms.sdbo import SdboCoefficients, sine_cosine_moves
 from jaxsusp.optim.base import Best, Clock
 
 FUNCTIONS = {
@@ -126,7 +126,7 @@ def test_sine_cosine_move_of_the_last_sixth():
         clock=Clock(jnp.asarray(50, jnp.int32), jnp.asarray(100, jnp.int32)),
     )
     thieves = jnp.full((11, 4), 7.0)
-    moved = _sine_cosine(SdboCoefficients(), problem, state, jax.random.key(1), thieves)
+    moved = sine_cosine_moves(SdboCoefficients(), problem, state, jax.random.key(1), thieves)
     np.testing.assert_array_equal(moved[:6], thieves[:6])
     p = state.personal[-5:]
     inertia, r1 = 0.65, 2 * np.exp(-2 * 0.5**4)

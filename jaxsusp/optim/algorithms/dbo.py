@@ -128,12 +128,18 @@ def remember(state: DboState, x: Array, fitness: Array) -> DboState:
     )
 
 
+def as_they_are(key: Key[Array, ""], thieves: Array) -> Array:
+    """The thieves' candidates, whose last few SDBO replaces."""
+    del key
+    return thieves
+
+
 def forage(
     coefficients: DboCoefficients,
     key: Key[Array, ""],
     problem: Problem,
     state: DboState,
-    last_thief=lambda key, thieves: thieves,
+    last_thief=as_they_are,
 ) -> tuple[Float[Array, "pop dim"], Float[Array, "pop"]]:
     """Steps 1-6: the new candidates x of all beetles and their fitness.
 

@@ -3,9 +3,13 @@
 DBO with four additions: opposition-based initial population (Eq. 13), sine-cosine moves for the
 last few thieves (Eq. 14-16), a pull of every beetle towards the best (Eq. 17), and a scaling of
 waypoints by their stability factor S_c where it lies in [0.6, 0.9] (Eq. 18, 19). An iteration costs
-about three evaluations per beetle where DBO costs one.
+about three evaluations per beetle where DBO costs one: the last two cost one each.
+
+Each can be left out. Without any of them what remains is DBO, to the bit where both are given one
+name, which keys the randomness.
 """
 
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import jax
@@ -17,6 +21,7 @@ from jaxsusp.mechanics.stability import WINDOW
 from jaxsusp.optim.algorithms.dbo import (
     DboCoefficients,
     DboState,
+    as_they_are,
     forage,
     frame_coefficient,
     framed_name,
@@ -40,6 +45,23 @@ class SdboCoefficients(NamedTuple):
     branch: float = 0.5  # threshold of r4 in Eq. 14, as printed
 
 
+@jax.tree_util.register_static
+@dataclass(frozen=True)
+class Improvements:
+    """Which additions to DBO are made: structure, so that what is left out costs nothing."""
+
+    opposition: bool = True  # Eq. 13
+    sine_cosine: bool = True  # Eq. 14-16
+    pull: bool = True  # Eq. 17
+    stability: bool = True  # Eq. 18, 19
+
+    @property
+    def left_out(self) -> str:
+        """What an algorithm's name says of those that are not made."""
+        names = [each.name for each in fields(self) if not getattr(self, each.name)]
+        return "-without-" + "-".join(names) if names else ""
+
+
 class StabilityMove(NamedTuple):
     """How Eq. 19 fared in one iteration, as shares of the beetles."""
 
@@ -47,44 +69,61 @@ class StabilityMove(NamedTuple):
     kept: Float[Array, ""]  # and became better by it
 
 
-def sdbo(frame: str = "world", **coefficients: float) -> Optimizer:
+def sdbo(
+    frame: str = "world",
+    opposition: bool = True,
+    sine_cosine: bool = True,
+    pull: bool = True,
+    stability: bool = True,
+    **coefficients: float,
+) -> Optimizer:
     """Stable dung beetle optimisation.
 
     Args:
         frame: "world" (the paper) or "task", see `jaxsusp.dbo`; Eq. 19 scales about the
             same origin.
+        opposition: whether the initial population is the best half of a random one and its
+            opposites (Eq. 13).
+        sine_cosine: whether the last thieves make sine-cosine moves (Eq. 14-16).
+        pull: whether every beetle is pulled to the best (Eq. 17), one evaluation each.
+        stability: whether waypoints are scaled by their stability (Eq. 18, 19), one more.
         **coefficients: any other field of `SdboCoefficients`.
 
     Returns:
-        The optimiser named "sdbo" ("sdbo-task" in the task frame). Its info tells how often the
-        stability move acted; on a generic problem, which has no S_c, the move is left out.
+        The optimiser named "sdbo" ("sdbo-task" in the task frame), and after what it is without,
+        "sdbo-without-pull". Its info tells how often the stability move acted; on a generic
+        problem, which has no S_c, the move is left out.
     """
+    made = Improvements(opposition, sine_cosine, pull, stability)
     moves = DboCoefficients(task_frame=frame_coefficient(frame))
     chosen = chosen_of("sdbo", SdboCoefficients, {"dbo": moves, **coefficients})
-    return Optimizer(framed_name("sdbo", frame), Partial(_init, chosen), Partial(_step, chosen))
+    name = framed_name("sdbo", frame) + made.left_out
+    return Optimizer(name, Partial(_init, made, chosen), Partial(_step, made, chosen))
 
 
-def _init(coefficients, key, problem: Problem, population: int, iterations) -> DboState:
+def _init(made: Improvements, coefficients, key, problem: Problem, population: int, iterations):
     """The best half of a random population and its opposites a + b - X (Eq. 13)."""
     del coefficients
     roles(population)
     x = problem.sample(key, population)
+    if not made.opposition:
+        return start(problem, x, problem.evaluate(x), iterations)
     x = jnp.concatenate([x, problem.repair(problem.low + problem.high - x)])
     fitness = problem.evaluate(x)
     fittest = jnp.argsort(fitness, stable=True)[:population]
     return start(problem, x[fittest], fitness[fittest], iterations)
 
 
-def _step(coefficients, key, problem: Problem, state: DboState):
-    key_forage, key_pull = jax.random.split(key)
-    last = Partial(_sine_cosine, coefficients, problem, state)
-    x, fitness = forage(coefficients.dbo, key_forage, problem, state, last)  # phase A
-    state = settle(state, x, fitness)
-    state = _try(problem, state, _pull_to_best(key_pull, state))[0]  # phase B
-    return _stabilise(coefficients, problem, state)  # phase C
+def _step(made: Improvements, c: SdboCoefficients, key, problem: Problem, state: DboState):
+    key_forage, key_pull = jax.random.split(key) if made.pull else (key, key)
+    last = Partial(sine_cosine_moves, c, problem, state) if made.sine_cosine else as_they_are
+    state = settle(state, *forage(c.dbo, key_forage, problem, state, last))  # phase A
+    if made.pull:
+        state = pulled(key_pull, problem, state)  # phase B
+    return stabilised(c, problem, state) if made.stability else (state, NoInfo())  # phase C
 
 
-def _sine_cosine(
+def sine_cosine_moves(
     c: SdboCoefficients, problem: Problem, state: DboState, key, thieves: Array
 ) -> Array:
     """Replace the last sixth of the population, the paper's beetles 26-30, by Eq. 14."""
@@ -103,13 +142,14 @@ def _sine_cosine(
     return jnp.concatenate([thieves[:-count], origin + moved])
 
 
-def _pull_to_best(key, state: DboState) -> Array:
-    """Optimal individual variation (Eq. 17)."""
+def pulled(key, problem: Problem, state: DboState) -> DboState:
+    """Optimal individual variation, a pull of every beetle to the best (Eq. 17)."""
     r = jax.random.uniform(key, (len(state.x), 1), state.x.dtype)
-    return state.personal + r * (state.best.x[None] - state.personal)
+    proposal = state.personal + r * (state.best.x[None] - state.personal)
+    return _try(problem, state, proposal)[0]
 
 
-def _stabilise(c: SdboCoefficients, problem: Problem, state: DboState):
+def stabilised(c: SdboCoefficients, problem: Problem, state: DboState):
     """Scale every waypoint of p_i whose own S_c lies in the window by that S_c (Eq. 18, 19)."""
     factor = problem.stability(state.personal)
     if factor is None:

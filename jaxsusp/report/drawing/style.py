@@ -173,16 +173,25 @@ _ACROSS = 185
 """Characters in a line of remarks on a figure 13 inches wide."""
 
 
-def legend(figure: Figure, handles: Sequence[Artist]) -> None:
-    """One row below the panels, where it hides nothing; more rows of many or long entries."""
+def legend(
+    figure: Figure, handles: Sequence[Artist], size: float = 10.0, columns: int | None = None
+) -> None:
+    """One row below the panels, where it hides nothing; more rows of many or long entries.
+
+    Args:
+        figure: with panels.
+        handles: what is shown.
+        size: of letters (pt).
+        columns: in how many; default as many as there is room for.
+    """
     length = sum(len(str(handle.get_label())) + _SAMPLE for handle in handles)
     rows = max(1 + (len(handles) >= 10), math.ceil(length / (_LETTERS * figure.get_figwidth())))
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=-(-len(handles) // rows),
+        ncols=columns or -(-len(handles) // rows),
         frameon=False,
-        fontsize=10,
+        fontsize=size,
         labelcolor=INK,
     )
 

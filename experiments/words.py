@@ -1,0 +1,34 @@
+"""Numbers and lists in sentences."""
+
+from collections.abc import Sequence
+
+from jaxsusp.report.render import significant
+
+ROUNDING = 1e-7
+"""Magnitude below which a number that is told with its sign is none."""
+
+
+def listed(parts: Sequence[str], nothing: str = "none") -> str:
+    """One, two and three: "a, b and c"."""
+    if not parts:
+        return nothing
+    *front, last = parts
+    return f"{', '.join(front)} and {last}" if front else last
+
+
+def signed(number: float, digits: int = 2) -> str:
+    """A number with its sign, a true minus; what is rounding alone is 0."""
+    if abs(number) < ROUNDING:
+        return "0"
+    sign = "−" if number < 0 else "+"
+    return sign + significant(abs(number), digits)
+
+
+def between(low: float, high: float, digits: int = 2) -> str:
+    """An interval in a sentence."""
+    return f"{signed(low, digits)} to {signed(high, digits)}"
+
+
+def counted(number: int, what: str) -> str:
+    """So many of something: "1 pair", "no pairs", "3 pairs"."""
+    return f"{number or 'no'} {what}{'s' * (number != 1)}"

@@ -1,0 +1,22 @@
+"""Numbers and lists in sentences."""
+
+import pytest
+
+from experiments.words import between, counted, listed, signed
+
+pytestmark = pytest.mark.fast
+
+
+def test_lists_read_as_people_write_them():
+    assert listed([]) == "none"
+    assert listed(["a"]) == "a"
+    assert listed(["a", "b", "c"]) == "a, b and c"
+
+
+def test_numbers_have_their_sign_and_rounding_has_none():
+    assert signed(12.34) == "+12"
+    assert signed(-0.1234) == "−0.12"
+    assert signed(-2.3e-16) == "0"
+    assert between(-1.5, 20.0) == "−1.5 to +20"
+    assert counted(1, "pair") == "1 pair"
+    assert counted(0, "pair") == "no pairs"
