@@ -6,7 +6,6 @@ As `unimodal`: pure functions of one point and an `Instance`, 0 at the optimum, 
 import jax.numpy as jnp
 import numpy as np
 
-from jaxsusp._types import Array, Float
 from jaxsusp.studies.bbob.instances import PEAKS, SCHWEFEL, Instance
 from jaxsusp.studies.bbob.transformations import oscillated, penalty, skewed, stretched
 from jaxsusp.studies.bbob.unimodal import Point, Value, nearest, valley, waved, widening

@@ -101,12 +101,13 @@ class Record:
         logged = Logged(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
         if logged.evaluation[-1] == self.evaluations:
             return logged
-        end = (self.evaluations, self.best, self.best, self.best_x)
-        return Logged(*(np.append(a, [b], axis=0) for a, b in zip(logged, end, strict=True)))
+        best = np.array([self.best])
+        end = Logged(np.array([self.evaluations]), best, best, self.best_x[None])
+        return Logged(*(np.concatenate(columns) for columns in zip(logged, end, strict=True)))
 
 
 def series(dim: int, budget: int) -> np.ndarray:
-    """Numbers of evaluations that are logged: 20 per decade, and D times 1, 2, 5, 10, 20, 50, …"""
+    """Numbers of evaluations that are logged: 20 per decade, and D times 1, 2 or 5 times 10^k."""
     decades = math.ceil(math.log10(budget)) + 1
     even = {math.floor(10 ** (k / 20)) for k in range(20 * decades)}
     whole = {base * dim * 10**k for base in (1, 2, 5) for k in range(decades)}

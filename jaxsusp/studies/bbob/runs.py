@@ -8,7 +8,7 @@ program as outputs, in the order in which they are asked for. Running times are 
 
 import functools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -20,9 +20,9 @@ from jaxsusp._types import Array, Float, Key
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.loop import count_evaluations, run_key
 from jaxsusp.problem.problem import Problem
-from jaxsusp.studies.bbob.instances import Instance, instance, stacked
+from jaxsusp.studies.bbob.instances import Instance, stacked
 from jaxsusp.studies.bbob.record import Record
-from jaxsusp.studies.bbob.suite import Landscape, problem_of
+from jaxsusp.studies.bbob.suite import Landscape, landscape, problem_of
 
 MEMORY = 64 * 2**20
 """Bytes of points and values that a program hands over at once."""
@@ -77,14 +77,13 @@ def run_function(
     Raises:
         InputError: no such function, dimension or instance, or a population that is too small.
     """
-    drawn = [instance(function, course.dim, number) for number in course.instances]
+    drawn = [landscape(function, course.dim, number) for number in course.instances]
     with jax.enable_x64(True):
         at, keys, devices = _lanes(optimizer, function, course, drawn)
-        number, first = jnp.asarray(function, jnp.int32), drawn[0]
-        horizon, portions, length = _portions(optimizer, number, course, first, len(keys))
+        horizon, portions, length = _portions(optimizer, course, drawn[0], len(keys))
         start, go = _programs(devices, course.dim, course.population, horizon, length)
-        least = [_least(number, each) for each in drawn]
-        records = [Record(course.dim, value, course.budget) for value in least]
+        records = [Record(course.dim, _least(each), course.budget) for each in drawn]
+        number = jnp.asarray(function, jnp.int32)
 
         clock = time.perf_counter()
         state, asked = jax.block_until_ready(start(number, at, optimizer, keys))
@@ -161,18 +160,19 @@ def _programs(devices: tuple, dim: int, population: int, horizon: int, length: i
     )
 
 
-def _lanes(optimizer: Optimizer, function: int, course: Course, drawn: Sequence[Instance]):
+def _lanes(optimizer: Optimizer, function: int, course: Course, drawn: list[Landscape]):
     """Instances and keys of as many lanes as the devices take evenly; the last one fills up."""
     devices = jax.devices()[: len(drawn)]
     spare = -len(drawn) % len(devices)
     runs = jnp.asarray([*course.instances, *course.instances[-1:] * spare]) + 1000 * function
     keys = jax.vmap(functools.partial(run_key, course.seed, optimizer.name))(runs)
-    return stacked([*drawn, *drawn[-1:] * spare]), keys, tuple(devices)
+    at = [each.at for each in drawn]
+    return stacked(at + at[-1:] * spare), keys, tuple(devices)
 
 
-def _portions(optimizer: Optimizer, number, course: Course, at: Instance, lanes: int):
+def _portions(optimizer: Optimizer, course: Course, fitness: Landscape, lanes: int):
     """Iterations of a run, in how many portions, and of how many iterations each."""
-    problem = problem_of(Landscape(number, at), course.dim)
+    problem = problem_of(fitness, course.dim)
     counted = count_evaluations(optimizer, problem, course.population)
     horizon = max(1, -(-(course.budget - counted.initial) // counted.per_step))
     size = 8 * lanes * counted.per_step * (course.dim + 1)
@@ -182,12 +182,12 @@ def _portions(optimizer: Optimizer, number, course: Course, at: Instance, lanes:
 
 @functools.cache
 def _value() -> Callable:
-    return jax.jit(lambda number, at: Landscape(number, at)(at.optimum))
+    return jax.jit(lambda fitness: fitness(fitness.at.optimum))
 
 
-def _least(number, at: Instance) -> float:
+def _least(fitness: Landscape) -> float:
     """What COCO takes for the least value: f at its optimum, f_opt but for rounding."""
-    return float(_value()(number, at))
+    return float(_value()(fitness))
 
 
 def _note(records: list[Record], asked: Asked) -> None:

@@ -7,7 +7,6 @@ one branch while it runs, as long as nobody maps over the number. Instances may 
 from dataclasses import dataclass
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp._types import Array, Float, Int
@@ -44,7 +43,7 @@ BOUND = 5.0
 class Landscape:
     """One function at one instance as a fitness: f(x), at least f_opt."""
 
-    number: Int[Array, ""]  # 1 to 24
+    number: Int[Array, "*stack"]  # 1 to 24
     at: Instance
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
@@ -70,9 +69,3 @@ def problem_of(fitness: Landscape, dim: int) -> Problem:
     """Minimise it in the box, in float64."""
     bound = np.full(dim, BOUND)
     return Problem(fitness=fitness, lower=-bound, upper=bound)
-
-
-def least(each: Landscape) -> Float[np.ndarray, ""]:
-    """What COCO takes for the least value: f at its optimum (float64 must be enabled)."""
-    value = each(jnp.asarray(each.at.optimum))
-    return np.asarray(value)

@@ -1,4 +1,4 @@
-"""What makes the functions of bbob less regular than their formulas (Hansen et al. 2009, Sect. 0.2).
+"""What makes functions less regular than their formulas (Hansen et al. 2009, RR-6829, Sect. 0.2).
 
 Every transformation takes one point (D,) and keeps its dtype. Indices i run from 0 to D - 1.
 """
@@ -10,7 +10,7 @@ from jaxsusp._types import Array, Float
 
 
 def shares(dim: int) -> Float[np.ndarray, "dim"]:
-    """i / (D - 1), from 0 to 1."""
+    """Numbers i / (D - 1), from 0 to 1."""
     return np.arange(dim) / (dim - 1)
 
 
