@@ -25,7 +25,7 @@ def one_function(monkeypatch):
     runs._programs.cache_clear()
 
 
-@pytest.mark.parametrize("name", ["pso", "sdbo"])
+@pytest.mark.parametrize("name", ["pso", "dbo"])
 def test_runs_are_those_of_the_package_and_do_not_depend_on_their_company(one_function, name):
     """Run i of function f is run 1000 f + i of `run_batch`, with all that it evaluates."""
     optimizer, number = algorithm(name), 2
