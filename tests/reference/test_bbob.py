@@ -14,9 +14,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxsusp.studies.bbob import cocofiles, results, summary
+from jaxsusp.studies.bbob import cocofiles, summary
 from jaxsusp.studies.bbob.record import Record
-from jaxsusp.studies.bbob.runs import Course
 from jaxsusp.studies.bbob.suite import FUNCTIONS, Landscape, landscape
 
 with warnings.catch_warnings():
@@ -24,7 +23,7 @@ with warnings.catch_warnings():
     import cocoex
     import cocopp
 
-DIMS, INSTANCES = (5, 10, 20), (1, 2, 3, 9, 15, 71)
+DIMS, INSTANCES = (5, 10, 20), (1, 2, 15, 71)
 NUMBERS = range(1, len(FUNCTIONS) + 1)
 EVALUATIONS = 2000
 
@@ -115,13 +114,17 @@ def test_the_postprocessing_reads_ours_and_finds_our_running_times(replayed):
         warnings.filterwarnings("ignore", "settings is an additional attribute")
         read = cocopp.load(str(ours))
     assert len(read) == 24 * 3
-    kept = [
-        results.result("replayed", number, Course(dim, (1, 2, 3), EVALUATIONS), records, 0.0)
-        for (number, dim), records in told.items()
-    ]
-    table = summary.running_times(kept).set_index(["dimension", "function", "target"])
     for each in read:
         for target in summary.CHOSEN:
-            row = table.loc[each.dim, each.funcId, target]
-            expected = row["evaluations"] / row["reached"] if row["reached"] else np.inf
+            expected = running_time(told[each.funcId, each.dim], target)
             assert each.detERT([target])[0] == expected
+
+
+def running_time(records: list[Record], target: float) -> float:
+    """Expected running time; files have ten digits, so that a little more may read as the target."""
+    spent = np.array(
+        [record.reached(np.array([target * (1 + 5e-10)])).item() for record in records]
+    )
+    there = np.isfinite(spent)
+    ends = np.array([record.evaluations for record in records])
+    return np.where(there, spent, ends).sum() / there.sum() if there.any() else np.inf
