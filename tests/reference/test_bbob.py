@@ -121,7 +121,7 @@ def test_the_postprocessing_reads_ours_and_finds_our_running_times(replayed):
 
 
 def running_time(records: list[Record], target: float) -> float:
-    """Expected running time; files have ten digits, so that a little more may read as the target."""
+    """Expected running time; files have ten digits: a little more may read as the target."""
     spent = np.array(
         [record.reached(np.array([target * (1 + 5e-10)])).item() for record in records]
     )
