@@ -1,4 +1,4 @@
-# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · reference · docs · dist · check
+# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · bbob · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -11,7 +11,7 @@ DOCS := .venv-docs
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench reference docs dist dist-check
+.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench bbob reference docs dist dist-check
 .PHONY: check format clean
 
 help:
@@ -23,7 +23,8 @@ help:
 	@echo "make studies    run what these data come from; what is kept already stays (its estimate first)"
 	@echo "make notebooks  execute the notebooks and keep their outputs; make lab opens JupyterLab"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
-	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake (own environment)"
+	@echo "make bbob       the optimisers on COCO's 24 functions, beside published ones (environment of reference)"
+	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake, COCO (own environment)"
 	@echo "make docs       the site, in site/ (own environment); every warning is an error"
 	@echo "make dist       sdist and wheel; make dist-check installs the wheel alone and plans with it"
 	@echo "make check      lint, format, types, dead code, and the rules of the house"
@@ -79,6 +80,10 @@ test-fast: setup
 bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks
 	$(REFERENCE)/bin/python -m benchmarks.regions
+
+bbob: $(REFERENCE)/.current
+	$(REFERENCE)/bin/python experiments/bbob.py --resume
+	MPLBACKEND=agg $(REFERENCE)/bin/python -m cocopp -o results/bbob/pages results/bbob/coco/*
 
 reference: $(REFERENCE)/.current
 	$(REFERENCE)/bin/python -m pytest tests/reference
