@@ -73,6 +73,21 @@ def test_it_is_the_fitness_where_nothing_counts_and_more_elsewhere(scenarios, dt
     assert counted.min() > 10
 
 
+def test_of_the_papers_check_as_well(scenarios):
+    """Contacts at the samples alone: fewer of the same trajectories have any."""
+    problem, sound = (problem_of(scenarios[4], contacts=each) for each in ("sampled", "swept"))
+    x = near_the_straight_line(problem, 0.3)
+    x[:, 2::3] += np.linspace(0, 2.5, len(x))[:, None]
+    assert compare(problem, x)[0] > 10
+    assert (both(problem, x)[1].collisions <= both(sound, x)[1].collisions).all()
+
+
+@pytest.mark.fast
+def test_another_check_than_the_two_is_refused(scenarios):
+    with pytest.raises(js.InputError, match=r"contacts = 'sample' .* did you mean"):
+        problem_of(scenarios[0], contacts="sample")
+
+
 @pytest.mark.parametrize("name", ["rim", "end-driven", "base-driven", "hybrid"])
 def test_of_every_drive_mode_as_well(name):
     """From near the straight line, in the empty room, to far from it, where limits are violated."""
