@@ -11,7 +11,12 @@ from matplotlib.figure import Figure
 from experiments.artefacts import Artefacts
 from jaxsusp.errors import require_known
 
-NAMES = ("published.comparison",)
+NAMES = (
+    "published.comparison",
+    "studies.sensitivity",
+    "studies.cable_check",
+    "studies.difficulty",
+)
 """Modules of this folder; what stands later may read the data of what stands before it."""
 
 

@@ -151,7 +151,7 @@ def draw(artefacts: Artefacts) -> Page:
 
 
 def cut(ds: xr.Dataset) -> xr.DataArray:
-    """How deep load or cables are in an obstacle, by the run (m); NaN of runs that are not clear."""
+    """How deep load or cables are in an obstacle (m); NaN of runs that are not clear."""
     return np.maximum(ds["load_depth"], ds["cable_depth"]).where(ds["clear"])
 
 
@@ -242,11 +242,11 @@ def depths(ds: xr.Dataset) -> Figure:
         _strips(strips, cut(ds.sel(search=search, contacts="sampled")), places, look)
         shares.set_title(f"waypoints in: {search}", fontsize=8, loc="left", color=INK)
     grid[-1, 0].set_xlabel("share of runs (%)", fontsize=8)
-    grid[-1, 1].set_xlabel("cut into an obstacle of runs that the check calls clear (m)", fontsize=8)
-    handles = [Patch(fc=fc, ec=INK, lw=0.6, hatch=hatch, label=said) for said, fc, hatch in _KINDS]
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=7.5
+    grid[-1, 1].set_xlabel(
+        "cut into an obstacle by runs that the check calls clear (m)", fontsize=8
     )
+    handles = [Patch(fc=fc, ec=INK, lw=0.6, hatch=hatch, label=said) for said, fc, hatch in _KINDS]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=7.5)
     figure.set_label(
         "Left: runs that end clear by the paper's check at 40 samples, those of them that touch no "
         "obstacle, and runs that end clear by the sound check. Right: how deep load or cables of "
@@ -287,7 +287,14 @@ def _strips(axes: Axes, depth: xr.DataArray, places: np.ndarray, look) -> None:
         apart = place + 0.6 * ((np.arange(len(values)) * 0.618) % 1 - 0.5)
         style = look[name]
         axes.plot(
-            values, apart, style.marker, color=style.color, ms=3, mec="white", mew=0.3, clip_on=False
+            values,
+            apart,
+            style.marker,
+            color=style.color,
+            ms=3,
+            mec="white",
+            mew=0.3,
+            clip_on=False,
         )
         cutting = int((values > TOUCH).sum())
         axes.annotate(

@@ -8,6 +8,9 @@ from typing import NamedTuple
 import jax
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from scipy.stats import spearmanr
 
 import jaxsusp as js
 from experiments.artefacts import Artefacts
@@ -15,6 +18,8 @@ from experiments.contents import Page, Work
 from jaxsusp._files import atomic_path
 from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.optim.registry import algorithm as algorithm_of
+from jaxsusp.report.drawing.style import INK, QUIET, picture, quiet
+from jaxsusp.report.render import Column, two_decimals
 from jaxsusp.studies.settings import Found, run_settings
 
 TITLE = "Which settings matter"
@@ -84,7 +89,7 @@ def make(settings: Settings, work: Work) -> None:
     rows = {}
     shapes = list(itertools.product(*settings[2:5]))
     for number, shape in enumerate(shapes, 1):
-        part = frame[(frame[[*FACTORS[:3]]] == shape).all(axis=1)]
+        part = frame[(frame[[*FACTORS[:3]]] == [*shape]).all(axis=1)]
         if part.empty:
             continue
         kept = Path(work.folder) / f"{'-'.join(map(str, shape))}.csv"
@@ -110,7 +115,7 @@ def measured(task, settings: Settings, shape, part: pd.DataFrame) -> Iterator[pd
             problem, algorithm_of(settings.algorithm), filled[[*WEIGHTS, "kappa"]].to_numpy(),
             runs, settings.iterations, population, settings.seed,
         )  # fmt: skip
-        yield described(task, problem, Found(*(each[: len(batch)] for each in found)), batch)
+        yield described(task, problem, found, filled).iloc[: len(batch)]
 
 
 def described(task, problem: js.Problem, found: Found, batch: pd.DataFrame) -> pd.DataFrame:
@@ -138,6 +143,161 @@ def _terms(fitness, x):
     return jax.tree.map(lambda leaf: leaf.reshape(x.shape[:-1]), flat)
 
 
+OUTPUTS = {
+    "f1": "length f₁",
+    "f2": "height f₂",
+    "f3": "cables f₃",
+    "f4": "tension rate f₄",
+    "f5": "curvature f₅",
+    "excess": "excess",
+    "clear": "clear runs",
+}
+SAID = {
+    "population": "population", "waypoints": "waypoints", "samples": "samples", "w1": "w₁",
+    "w2": "w₂", "w3": "w₃", "w4": "w₄", "w5": "w₅", "kappa": "κ", "luck": "luck",
+}  # fmt: skip
+
+
 def draw(artefacts: Artefacts) -> Page:
     """First and total indices of every result, with intervals."""
-    return Page()
+    frame = artefacts.frame("sensitivity")
+    settings = Settings(**frame.attrs["settings"])
+    found = indices(frame, settings)
+    figures = {"sensitivity": picture_of(found)}
+    tables = {
+        "sensitivity-total": matrix(found, "total", "Total indices", "alone or with others"),
+        "sensitivity-first": matrix(found, "first", "First-order indices", "alone"),
+    }
+    return Page(figures, tables, findings(frame, found, settings))
+
+
+def indices(frame: pd.DataFrame, settings: Settings) -> pd.DataFrame:
+    """A row per result and factor: first and total index, half-widths, and which way it goes."""
+    from SALib.analyze import sobol
+
+    rows = []
+    for output in OUTPUTS:
+        values = frame[output].to_numpy(float)
+        values = values if output == "clear" else np.log10(values)
+        if not np.isfinite(values).all() or np.ptp(values) < 1e-12:
+            rows += [(output, factor, *[np.nan] * 5) for factor in FACTORS]
+            continue
+        found = sobol.analyze(
+            problem_of(settings), values, calc_second_order=False, num_resamples=1000,
+            conf_level=0.95, seed=0,
+        )  # fmt: skip
+        for i, factor in enumerate(FACTORS):
+            numbers = [found[key][i] for key in ("S1", "S1_conf", "ST", "ST_conf")]
+            same = frame[factor].nunique() == 1
+            way = np.nan if same else spearmanr(frame[factor], values).statistic
+            rows.append((output, factor, *numbers, way))
+    columns = ["output", "factor", "first", "first_half", "total", "total_half", "way"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def picture_of(found: pd.DataFrame) -> Figure:
+    """A panel per result: factors below one another, both indices with their intervals."""
+    figure = picture(7.09, 3.5)
+    panels = figure.subplots(1, len(OUTPUTS), sharey=True, sharex=True)
+    places = np.arange(len(FACTORS))[::-1]
+    for axes, (output, said) in zip(panels, OUTPUTS.items(), strict=True):
+        quiet(axes)
+        axes.tick_params(labelsize=7)
+        rows = found[found["output"] == output].set_index("factor").loc[[*FACTORS]]
+        for index, up, color, marker, fill in (
+            ("total", 0.17, "#0072B2", "s", "white"),
+            ("first", -0.17, "#C43C00", "o", "#C43C00"),
+        ):
+            axes.errorbar(
+                rows[index], places + up, xerr=rows[f"{index}_half"], fmt=marker, ms=4, mfc=fill,
+                mec=color, ecolor=color, elinewidth=1.1, color=color,
+            )  # fmt: skip
+        axes.axvline(0, color=QUIET, lw=0.8)
+        axes.set_title(said, fontsize=7.5, color=INK)
+        axes.set_xlim(-0.25, 1.3)
+        axes.set_xticks([0, 0.5, 1], ["0", "½", "1"])
+    panels[0].set_yticks(places, [SAID[name] for name in FACTORS])
+    panels[0].set_ylim(-0.6, len(FACTORS) - 0.4)
+    figure.supxlabel("share of the variance", fontsize=8, color=INK)
+    samples = [
+        Line2D(
+            [], [], color="#0072B2", marker="s", mfc="white", label="total: alone or with others"
+        ),
+        Line2D([], [], color="#C43C00", marker="o", label="first order: alone"),
+    ]
+    figure.legend(handles=samples, loc="outside upper center", ncols=2, frameon=False, fontsize=7.5)
+    figure.set_label(
+        "Sobol indices with 95 % bootstrap intervals (cut where they leave the panel) of the "
+        "logarithms of f₁ to f₅ and of the excess, the default fitness over the best known, of "
+        "the best run of a setting, and of its share of clear runs. Luck is which runs these are."
+    )
+    return figure
+
+
+def matrix(found: pd.DataFrame, index: str, title: str, said: str) -> pd.DataFrame:
+    """Factors by results."""
+    frame = found.pivot(index="factor", columns="output", values=index)
+    half = found.pivot(index="factor", columns="output", values=f"{index}_half")
+    frame, half = (each.loc[[*FACTORS], [*OUTPUTS]] for each in (frame, half))
+    sure = [
+        (row, output)
+        for row, factor in enumerate(FACTORS)
+        for output in OUTPUTS
+        if frame.at[factor, output] > half.at[factor, output]
+    ]
+    frame = frame.rename(index=SAID).rename_axis("factor").reset_index()
+    frame.attrs["title"] = title
+    frame.attrs["columns"] = {
+        output: Column(f"{said}", two_decimals) for output, said in OUTPUTS.items()
+    }
+    frame.attrs["bold"] = frozenset(sure)
+    frame.attrs["caption"] = (
+        f"Share of the variance of a result that is due to a factor {said}; bold where the 95 % "
+        f"bootstrap interval leaves out 0. Half-widths: {half.stack().median():.2f} in the median, "
+        f"{half.max(axis=None):.2f} at most."
+    )
+    return frame
+
+
+def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> str:
+    """What decides which result, how much is luck, and how wide the intervals are."""
+    said = []
+    for output, name in OUTPUTS.items():
+        rows = found[found["output"] == output].set_index("factor")
+        if rows["total"].isna().all():
+            said.append(f"{name}: does not vary.")
+            continue
+        most = rows["first"].drop("luck").idxmax()
+        text = (
+            f"{name}: most by {SAID[most]} alone, {interval(rows, most, 'first')}, "
+            f"{'rising' if rows.at[most, 'way'] > 0 else 'falling'} with it"
+            if rows.at[most, "first"] > rows.at[most, "first_half"]
+            else f"{name}: no factor alone is told from nothing"
+        )
+        text += f"; luck's total index is {interval(rows, 'luck', 'total')}"
+        below = rows["total"] <= rows.at["luck", "total"]
+        few = [SAID[each] for each in FACTORS if each != "luck" and not below[each]]
+        text += f"; above luck in total: {', '.join(few)}" if few else "; nothing is above luck"
+        said.append(f"{text}.")
+    halves = found[["first_half", "total_half"]]
+    return (
+        f"{settings.algorithm.upper()} on {settings.scenario}, {settings.iterations} iterations, "
+        f"{settings.runs} runs of each of {len(frame)} settings (Saltelli's design of base "
+        f"{settings.base}); weights and κ from {1 / settings.spread:g} to {settings.spread:g} "
+        "times their defaults, every trajectory measured by one ruler of "
+        f"{RULER[1]} samples. {' '.join(text[0].upper() + text[1:] for text in said)} The "
+        f"intervals are wide: half-widths of {halves['first_half'].median():.2f} (first) and "
+        f"{halves['total_half'].median():.2f} (total) in the median and of "
+        f"{halves.max(axis=None):.2f} at most, so that indices below about "
+        f"{halves['total_half'].median():.1f} say nothing. Which runs a setting is given is a "
+        "factor of its own, luck; where a search hangs on every digit of its settings, so that "
+        "each change is like another draw, every factor's total index holds that much of luck "
+        "as well, and only what is above it is the factor's own doing. The share of clear runs is "
+        f"{100 * frame['clear'].mean():.0f} % over all settings, the median excess "
+        f"{100 * (frame['excess'].median() - 1):.0f} %."
+    )
+
+
+def interval(rows: pd.DataFrame, factor: str, index: str) -> str:
+    """An index with its half-width: 0.45 ± 0.12."""
+    return f"{rows.at[factor, index]:.2f} ± {rows.at[factor, f'{index}_half']:.2f}"

@@ -74,12 +74,16 @@ def test_it_is_the_fitness_where_nothing_counts_and_more_elsewhere(scenarios, dt
 
 
 def test_of_the_papers_check_as_well(scenarios):
-    """Contacts at the samples alone: fewer of the same trajectories have any."""
-    problem, sound = (problem_of(scenarios[4], contacts=each) for each in ("sampled", "swept"))
-    x = near_the_straight_line(problem, 0.3)
-    x[:, 2::3] += np.linspace(0, 2.5, len(x))[:, None]
-    assert compare(problem, x)[0] > 10
-    assert (both(problem, x)[1].collisions <= both(sound, x)[1].collisions).all()
+    """Contacts at the samples alone: of the same trajectories no fewer are clear."""
+    counted = np.zeros(2, int)
+    for i in (0, 4):
+        problem, sound = (problem_of(scenarios[i], contacts=each) for each in ("sampled", "swept"))
+        x = near_the_straight_line(problem, 0.3)
+        x[:, 2::3] += np.linspace(0, 2.5, len(x))[:, None]
+        counted += compare(problem, x)
+        at_samples, swept = (np.asarray(both(each, x)[1].collisions) for each in (problem, sound))
+        assert ((at_samples == 0) | (swept > 0)).all()
+    assert counted.min() > 10
 
 
 @pytest.mark.fast
