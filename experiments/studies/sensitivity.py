@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from scipy.stats import spearmanr
+from scipy.stats import rankdata, spearmanr
 
 import jaxsusp as js
 from experiments.artefacts import Artefacts
@@ -178,7 +178,7 @@ def indices(frame: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     rows = []
     for output in OUTPUTS:
         values = frame[output].to_numpy(float)
-        values = values if output == "clear" else np.log10(values)
+        values = values if output == "clear" else rankdata(values)  # outliers rule nothing
         if not np.isfinite(values).all() or np.ptp(values) < 1e-12:
             rows += [(output, factor, *[np.nan] * 5) for factor in FACTORS]
             continue
@@ -214,7 +214,7 @@ def picture_of(found: pd.DataFrame) -> Figure:
             )  # fmt: skip
         axes.axvline(0, color=QUIET, lw=0.8)
         axes.set_title(said, fontsize=7.5, color=INK)
-        axes.set_xlim(-0.25, 1.3)
+        axes.set_xlim(-0.35, 1.45)
         axes.set_xticks([0, 0.5, 1], ["0", "½", "1"])
     panels[0].set_yticks(places, [SAID[name] for name in FACTORS])
     panels[0].set_ylim(-0.6, len(FACTORS) - 0.4)
@@ -228,8 +228,8 @@ def picture_of(found: pd.DataFrame) -> Figure:
     figure.legend(handles=samples, loc="outside upper center", ncols=2, frameon=False, fontsize=7.5)
     figure.set_label(
         "Sobol indices with 95 % bootstrap intervals (cut where they leave the panel) of the "
-        "logarithms of f₁ to f₅ and of the excess, the default fitness over the best known, of "
-        "the best run of a setting, and of its share of clear runs. Luck is which runs these are."
+        "ranks of f₁ to f₅ and of the excess, the default fitness over the best known, of the best "
+        "run of a setting, and of its share of clear runs. Luck is which runs these are."
     )
     return figure
 
@@ -261,7 +261,7 @@ def matrix(found: pd.DataFrame, index: str, title: str, said: str) -> pd.DataFra
 
 def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> str:
     """What decides which result, how much is luck, and how wide the intervals are."""
-    said = []
+    said, luck = [], found[found["factor"] == "luck"].set_index("output")["total"]
     for output, name in OUTPUTS.items():
         rows = found[found["output"] == output].set_index("factor")
         if rows["total"].isna().all():
@@ -269,15 +269,14 @@ def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> st
             continue
         most = rows["first"].drop("luck").idxmax()
         text = (
-            f"{name}: most by {SAID[most]} alone, {interval(rows, most, 'first')}, "
+            f"{name}: most by {SAID[most]} alone ({interval(rows, most, 'first')}), "
             f"{'rising' if rows.at[most, 'way'] > 0 else 'falling'} with it"
             if rows.at[most, "first"] > rows.at[most, "first_half"]
             else f"{name}: no factor alone is told from nothing"
         )
-        text += f"; luck's total index is {interval(rows, 'luck', 'total')}"
         below = rows["total"] <= rows.at["luck", "total"]
         few = [SAID[each] for each in FACTORS if each != "luck" and not below[each]]
-        text += f"; above luck in total: {', '.join(few)}" if few else "; nothing is above luck"
+        text += f"; in total above luck: {', '.join(few)}" if few else "; in total none above luck"
         said.append(f"{text}.")
     halves = found[["first_half", "total_half"]]
     return (
@@ -292,7 +291,8 @@ def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> st
         f"{halves['total_half'].median():.1f} say nothing. Which runs a setting is given is a "
         "factor of its own, luck; where a search hangs on every digit of its settings, so that "
         "each change is like another draw, every factor's total index holds that much of luck "
-        "as well, and only what is above it is the factor's own doing. The share of clear runs is "
+        f"as well, and only what is above it (point estimates) is the factor's own doing: luck's "
+        f"is {luck.min():.2f} to {luck.max():.2f}. The share of clear runs is "
         f"{100 * frame['clear'].mean():.0f} % over all settings, the median excess "
         f"{100 * (frame['excess'].median() - 1):.0f} %."
     )

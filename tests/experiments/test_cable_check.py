@@ -51,7 +51,7 @@ def test_a_jump_through_an_obstacle_is_seen_and_measured(ds):
     table = study.checks_table(made).set_index("contacts")
     assert table.loc["sampled", ["touching", "deepest"]].tolist() == [1, pytest.approx(0.2)]
     assert table.loc["swept", "touching"] == 0
-    assert "0.200 m at most, by pso" in study.findings(made)
+    assert "0.200 m at most, by PSO" in study.findings(made)
 
 
 def test_the_page_is_drawn_from_it(folder):

@@ -73,7 +73,7 @@ def test_a_width_that_no_scene_has_is_told(monkeypatch):
     monkeypatch.setattr(random_scenario, "PATIENCE", 2)
     monkeypatch.setattr(random_scenario, "_draw", lambda *_: None)
     with pytest.raises(js.InputError, match="scene 5 to 6 m wide in 2 attempts; choose another"):
-        js.random_scenario(0, 3, passage=(5, 6))
+        js.random_scenario(0, 3, passage=(5.0, 6.0))
 
 
 @pytest.mark.fast
