@@ -345,8 +345,8 @@ def findings(ds: xr.Dataset) -> str:
         refuted = int((ds["clear"] & (ds["swept"] > 0)).sel(at).sum())
         said.append(
             f"The sound check refutes {refuted} of them, for it keeps the warning distance at "
-            f"every instant. Of {int(there.sum())} winners, the best clear run of every algorithm in "
-            f"every scenario, {int(proved.sum())} are proved to keep it in continuous time."
+            f"every instant. Of {int(there.sum())} winners, the best clear run of every algorithm "
+            f"in every scenario, {int(proved.sum())} are proved to keep it in continuous time."
         )
     sound = ds.sel(contacts="swept")
     touching, clear = int((cut(sound) > TOUCH).sum()), int(sound["clear"].sum())

@@ -54,6 +54,11 @@ class Settings(NamedTuple):
     together: int = 16  # settings in a batch
     seed: int = 0
 
+    @property
+    def levels(self) -> tuple[tuple[int, ...], ...]:
+        """Of the first three factors."""
+        return self.populations, self.waypoints, self.samples
+
 
 FULL = Settings()
 MINIATURE = Settings("scenario-1", "pso", (30,), (5,), (40,), 10.0, 2, 2, 20)
@@ -73,7 +78,7 @@ def design(settings: Settings) -> pd.DataFrame:
     )
     unit = pd.DataFrame(rows, columns=FACTORS)
     frame = pd.DataFrame(index=unit.index)
-    for name, levels in zip(FACTORS, settings[2:5], strict=False):
+    for name, levels in zip(FACTORS, settings.levels, strict=False):
         frame[name] = np.array(levels)[(unit[name] * len(levels)).astype(int)]
     spread = settings.spread ** (2 * unit[[*WEIGHTS, "kappa"]] - 1)
     frame[[*WEIGHTS]] = spread[[*WEIGHTS]]
@@ -87,7 +92,7 @@ def make(settings: Settings, work: Work) -> None:
     frame, task = design(settings), js.load_scenario(settings.scenario)
     Path(work.folder).mkdir(parents=True, exist_ok=True)
     rows = {}
-    shapes = list(itertools.product(*settings[2:5]))
+    shapes = list(itertools.product(*settings.levels))
     for number, shape in enumerate(shapes, 1):
         part = frame[(frame[[*FACTORS[:3]]] == [*shape]).all(axis=1)]
         if part.empty:
