@@ -165,6 +165,11 @@ def cut(ds: xr.Dataset) -> xr.DataArray:
 _ALL = ("scenario", "run")
 
 
+def metres(value: float) -> str:
+    """To the millimetre."""
+    return f"{value:.3f}" if np.isfinite(value) else "–"
+
+
 def checks_table(ds: xr.Dataset) -> pd.DataFrame:
     """Runs that the check of their search calls clear, and what is true of them."""
     depth = cut(ds)
@@ -186,8 +191,8 @@ def checks_table(ds: xr.Dataset) -> pd.DataFrame:
         "contacts": Column("check", {"sampled": "at 40 samples", "swept": "sound"}.__getitem__),
         "refuted": Column("of these refuted by the sound check"),
         "touching": Column("of these cutting an obstacle"),
-        "deepest": Column("deepest cut (m)", "{:.3f}".format),
-        "warned": Column("deepest in a warning area (m)", "{:.3f}".format),
+        "deepest": Column("deepest cut (m)", metres),
+        "warned": Column("deepest in a warning area (m)", metres),
     }
     frame.loc[frame["touching"] == 0, "deepest"] = 0.0
     frame.attrs["caption"] = (
@@ -220,7 +225,7 @@ def winners_table(ds: xr.Dataset) -> pd.DataFrame:
     for contacts, said in (("sampled", "at 40 samples"), ("swept", "sound")):
         columns |= {
             f"{contacts}_proved": Column(f"{said}: proved", out_of=f"{contacts}_there"),
-            f"{contacts}_slack": Column(f"{said}: least slack (m)", "{:.3f}".format),
+            f"{contacts}_slack": Column(f"{said}: least slack (m)", metres),
             f"{contacts}_best": Column(f"{said}: best fitness"),
         }
     frame.attrs["columns"] = columns

@@ -258,8 +258,8 @@ def matrix(found: pd.DataFrame, index: str, title: str, said: str) -> pd.DataFra
     frame.attrs["bold"] = frozenset(sure)
     frame.attrs["caption"] = (
         f"Share of the variance of a result that is due to a factor {said}; bold where the 95 % "
-        f"bootstrap interval leaves out 0. Half-widths: {half.stack().median():.2f} in the median, "
-        f"{half.max(axis=None):.2f} at most."
+        f"bootstrap interval leaves out 0. Half-widths: {two_decimals(half.stack().median())} in the "
+        f"median, {two_decimals(half.max(axis=None))} at most."
     )
     return frame
 
@@ -290,14 +290,14 @@ def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> st
         f"{settings.base}); weights and κ from {1 / settings.spread:g} to {settings.spread:g} "
         "times their defaults, every trajectory measured by one ruler of "
         f"{RULER[1]} samples. {' '.join(text[0].upper() + text[1:] for text in said)} The "
-        f"intervals are wide: half-widths of {halves['first_half'].median():.2f} (first) and "
-        f"{halves['total_half'].median():.2f} (total) in the median and of "
-        f"{halves.max(axis=None):.2f} at most, so that indices below about "
-        f"{halves['total_half'].median():.1f} say nothing. Which runs a setting is given is a "
+        f"intervals are wide: half-widths of {two_decimals(halves['first_half'].median())} (first) and "
+        f"{two_decimals(halves['total_half'].median())} (total) in the median and of "
+        f"{two_decimals(halves.max(axis=None))} at most, so that indices below about "
+        f"{two_decimals(halves['total_half'].median())} say nothing. Which runs a setting is given is a "
         "factor of its own, luck; where a search hangs on every digit of its settings, so that "
         "each change is like another draw, every factor's total index holds that much of luck "
         f"as well, and only what is above it (point estimates) is the factor's own doing: luck's "
-        f"is {luck.min():.2f} to {luck.max():.2f}. The share of clear runs is "
+        f"is {two_decimals(luck.min())} to {two_decimals(luck.max())}. The share of clear runs is "
         f"{100 * frame['clear'].mean():.0f} % over all settings, the median excess "
         f"{100 * (frame['excess'].median() - 1):.0f} %."
     )
@@ -305,4 +305,6 @@ def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> st
 
 def interval(rows: pd.DataFrame, factor: str, index: str) -> str:
     """An index with its half-width: 0.45 ± 0.12."""
-    return f"{rows.at[factor, index]:.2f} ± {rows.at[factor, f'{index}_half']:.2f}"
+    return (
+        f"{two_decimals(rows.at[factor, index])} ± {two_decimals(rows.at[factor, f'{index}_half'])}"
+    )
