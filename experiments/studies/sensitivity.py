@@ -258,8 +258,8 @@ def matrix(found: pd.DataFrame, index: str, title: str, said: str) -> pd.DataFra
     frame.attrs["bold"] = frozenset(sure)
     frame.attrs["caption"] = (
         f"Share of the variance of a result that is due to a factor {said}; bold where the 95 % "
-        f"bootstrap interval leaves out 0. Half-widths: {two_decimals(half.stack().median())} in the "
-        f"median, {two_decimals(half.max(axis=None))} at most."
+        "bootstrap interval leaves out 0. Half-widths: "
+        f"{two_decimals(half.stack().median())} in the median, {two_decimals(half.max(axis=None))} at most."
     )
     return frame
 
@@ -284,16 +284,17 @@ def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> st
         text += f"; in total above luck: {', '.join(few)}" if few else "; in total none above luck"
         said.append(f"{text}.")
     halves = found[["first_half", "total_half"]]
+    alone, total = map(two_decimals, halves.median())
     return (
         f"{settings.algorithm.upper()} on {settings.scenario}, {settings.iterations} iterations, "
         f"{settings.runs} runs of each of {len(frame)} settings (Saltelli's design of base "
         f"{settings.base}); weights and κ from {1 / settings.spread:g} to {settings.spread:g} "
         "times their defaults, every trajectory measured by one ruler of "
         f"{RULER[1]} samples. {' '.join(text[0].upper() + text[1:] for text in said)} The "
-        f"intervals are wide: half-widths of {two_decimals(halves['first_half'].median())} (first) and "
-        f"{two_decimals(halves['total_half'].median())} (total) in the median and of "
+        f"intervals are wide: half-widths of {alone} (first) and {total} (total) in the "
+        "median and of "
         f"{two_decimals(halves.max(axis=None))} at most, so that indices below about "
-        f"{two_decimals(halves['total_half'].median())} say nothing. Which runs a setting is given is a "
+        f"{total} say nothing. Which runs a setting is given is a "
         "factor of its own, luck; where a search hangs on every digit of its settings, so that "
         "each change is like another draw, every factor's total index holds that much of luck "
         f"as well, and only what is above it (point estimates) is the factor's own doing: luck's "
