@@ -1,6 +1,7 @@
 """Which setting decides what a search finds: Sobol indices of its results."""
 
 import itertools
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -187,10 +188,12 @@ def indices(frame: pd.DataFrame, settings: Settings) -> pd.DataFrame:
         if not np.isfinite(values).all() or np.ptp(values) < 1e-12:
             rows += [(output, factor, *[np.nan] * 5) for factor in FACTORS]
             continue
-        found = sobol.analyze(
-            problem_of(settings), values, calc_second_order=False, num_resamples=1000,
-            conf_level=0.95, seed=0,
-        )  # fmt: skip
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of resamples in which nothing varies: NaN
+            found = sobol.analyze(
+                problem_of(settings), values, calc_second_order=False, num_resamples=1000,
+                conf_level=0.95, seed=1,  # SALib takes 0 for none
+            )  # fmt: skip
         for i, factor in enumerate(FACTORS):
             numbers = [found[key][i] for key in ("S1", "S1_conf", "ST", "ST_conf")]
             same = frame[factor].nunique() == 1
@@ -259,7 +262,8 @@ def matrix(found: pd.DataFrame, index: str, title: str, said: str) -> pd.DataFra
     frame.attrs["caption"] = (
         f"Share of the variance of a result that is due to a factor {said}; bold where the 95 % "
         "bootstrap interval leaves out 0. Half-widths: "
-        f"{two_decimals(half.stack().median())} in the median, {two_decimals(half.max(axis=None))} at most."
+        f"{two_decimals(half.stack().median())} in the median, "
+        f"{two_decimals(half.max(axis=None))} at most."
     )
     return frame
 
