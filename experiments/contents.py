@@ -18,6 +18,9 @@ NAMES = (
     "studies.budgets",
     "studies.origin",
     "studies.spaces",
+    "studies.sensitivity",
+    "studies.cable_check",
+    "studies.difficulty",
 )
 """Modules of this folder; what stands later may read the data of what stands before it."""
 

@@ -81,9 +81,30 @@ def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> In
     Returns:
         The count per trajectory; 0 means clear at every instant of the polyline.
     """
-    motion = Motion.of(position)
     bodies = with_margin(bodies, position.x.dtype)
-    cables = tuple(_each_cable(bodies))
+    return _count(Motion.of(position), bodies, tuple(_each_cable(bodies)), obstacles)
+
+
+def count_at_samples(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, "*batch"]:
+    """Number of (sample, body, obstacle) contacts: the paper's check, for comparison alone.
+
+    What a load or a cable passes through between two samples is not seen, and optimisers find that
+    out: they space the samples so that the load jumps. Arguments are those of `count_collisions`.
+
+    Returns:
+        The count per trajectory; 0 means clear at the samples, and nothing in between.
+    """
+    bodies = with_margin(bodies, position.x.dtype)
+    cables = tuple(
+        SweptCable(attachment(bodies.attachments, k), component(bodies.ends, k), None)
+        for k in range(bodies.ends.x.shape[0])
+    )  # what rests lies in any plane through it: the test of the swept plane passes
+    return _count(Motion.between(position, position), bodies, cables, obstacles)
+
+
+def _count(
+    motion: "Motion", bodies: Bodies, cables: Sequence["SweptCable"], obstacles: Obstacles
+) -> Int[Array, "*batch"]:
     hits = jnp.zeros(motion.step.x.shape, jnp.int32)
     for kind in KINDS:
 

@@ -45,7 +45,7 @@ class _Still(NamedTuple):
 
 
 def sum_depths(
-    position: Vec3, bodies: Bodies, obstacles: Obstacles, unit, band
+    position: Vec3, bodies: Bodies, obstacles: Obstacles, unit, band, at_samples: bool = False
 ) -> Float[Array, "*batch"]:
     """Sum over every (segment, body, obstacle) of what its depth counts.
 
@@ -55,6 +55,7 @@ def sum_depths(
         obstacles: packed obstacles of one scenario.
         unit: depth that counts as 1 (m).
         band: of `charge`, in units.
+        at_samples: whether to look at the samples alone, as `count_at_samples` does.
 
     Returns:
         The sum per trajectory; its gradient is by positions, and by ends that move.
@@ -63,7 +64,10 @@ def sum_depths(
     ends = None
     if bodies.ends.x.ndim > 1:
         ends = bodies.ends.each(lambda c: c[:, :-1]), bodies.ends.each(lambda c: c[:, 1:])
+        ends = (bodies.ends, bodies.ends) if at_samples else ends
     moving = _Moving(position.each(lambda c: c[:-1]), position.each(lambda c: c[1:]), ends)
+    if at_samples:
+        moving = moving._replace(start=position, stop=position)
     still = _Still(
         with_margin(bodies, dtype), obstacles, jnp.asarray(unit, dtype), jnp.asarray(band, dtype)
     )
@@ -136,3 +140,38 @@ def _all_cables(moving: _Moving, bodies: Bodies) -> tuple[SweptCable, ...]:
         return (SweptCable(attachments, beside(bodies.ends), None),)
     before, after = moving.ends
     return (SweptCable(attachments, 0.5 * (before + after), after - before),)
+
+
+class Deepest(NamedTuple):
+    """How deep load and cables are at the samples where they are deepest (m)."""
+
+    load: Float[Array, "*batch"]
+    cables: Float[Array, "*batch"]
+
+
+def deepest(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Deepest:
+    """The greatest depth at the samples of a trajectory, which are to be many.
+
+    Args:
+        position: payload centre, samples on axis 0, any trailing batch axes (m).
+        bodies: payload and cables whose ends stay; their clearance is part of the obstacles.
+        obstacles: packed obstacles of one scenario.
+
+    Returns:
+        How far a body would have to go to get out of an obstacle; negative where all are apart,
+        and then no distance (see `depths`).
+    """
+    bodies = with_margin(bodies, position.x.dtype)
+    cables = _all_cables(_Moving(position, position, None), bodies)
+    resting = position.each(lambda c: c[None])  # beside the cables' axis
+    motion = Motion.between(resting, resting)
+    nothing = jnp.full(position.x.shape, -jnp.inf, position.x.dtype)
+    found = nothing, nothing
+    for kind in KINDS:
+
+        def deeper(found, obstacle, held_against=HELD_AGAINST[kind]):
+            depths = held_against(obstacle, motion, bodies, cables, DEPTHS)
+            return tuple(map(jnp.maximum, found, [depth.max(axis=0) for depth in depths]))
+
+        found = over_bodies(deeper, getattr(obstacles, kind), found)
+    return Deepest(*(depth.max(axis=0) for depth in found))

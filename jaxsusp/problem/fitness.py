@@ -12,8 +12,14 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
-from jaxsusp.geometry.collisions import Bodies, count_between, count_collisions
+from jaxsusp.geometry.collisions import (
+    Bodies,
+    count_at_samples,
+    count_between,
+    count_collisions,
+)
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.problem.choices import CONTACTS
 from jaxsusp.problem.constraints import count_turned, count_violations
 from jaxsusp.scenario.world import World
 from jaxsusp.suspension.armclearance import count_arm_contacts
@@ -87,6 +93,7 @@ def fitness_terms(
     with_stability: bool = False,
     drive: str = "cable",
     with_cables: bool = True,
+    contacts: str = CONTACTS[0],
     ends: Vec3 | None = None,
 ) -> FitnessTerms:
     """All terms of Eq. 21 for the trajectory through the waypoints of x.
@@ -99,11 +106,12 @@ def fitness_terms(
         drive: how the ends follow the load, see `mechanics.drives`.
         with_cables: whether contacts of cables and arms and the places of moving ends count, or
             the load's contacts alone.
+        contacts: where they are looked for, one of `CONTACTS`.
         ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
             contacts are then counted by `count_between`.
     """
     position = trajectory(world, x, samples)
-    return position_terms(world, position, with_stability, drive, with_cables, ends)
+    return position_terms(world, position, with_stability, drive, with_cables, contacts, ends)
 
 
 def position_terms(
@@ -112,6 +120,7 @@ def position_terms(
     with_stability: bool = False,
     drive: str = "cable",
     with_cables: bool = True,
+    contacts: str = CONTACTS[0],
     ends: Vec3 | None = None,
 ) -> FitnessTerms:
     """All terms of Eq. 21 for sampled positions (m), whatever curve they are on.
@@ -122,11 +131,13 @@ def position_terms(
         with_stability: see `fitness_terms`, as the others.
         drive: how the ends follow the load.
         with_cables: whether cables and arms count.
+        contacts: where they are looked for.
         ends: where they do not follow the mode's plain rule.
     """
     path = sampled_path(world, position, drive, ends)
     lengths, tensions = path.lengths, path.tensions
     count = count_collisions if ends is None else count_between
+    count = count_at_samples if contacts == "sampled" else count
     collisions = count(position, path.avoiding(world, with_cables), world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, path.ends)
     if moving(drive):

@@ -18,7 +18,7 @@ from jaxsusp.errors import InputError, require_count, require_known
 from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.cells.subdivision import proved_blocked
 from jaxsusp.freespace.space import FreeSpace
-from jaxsusp.problem.choices import SEARCHES
+from jaxsusp.problem.choices import CONTACTS, SEARCHES
 from jaxsusp.problem.fitness import FitnessTerms, fitness_terms, waypoint_stability
 from jaxsusp.problem.flatbatch import one_flat_batch
 from jaxsusp.problem.given import bounds_of, held, require_fitness
@@ -42,12 +42,11 @@ class Suspension:
     with_stability: bool = field(metadata={"static": True})
     drive: str = field(default="cable", metadata={"static": True})
     with_cables: bool = field(default=True, metadata={"static": True})
+    contacts: str = field(default=CONTACTS[0], metadata={"static": True})
 
     def terms(self, x: Float[Array, "dim *batch"]) -> FitnessTerms:
         """All terms of Eq. 21 in the dtype of x; trailing axes of x are batch."""
-        world = cast_world(self.world, x.dtype)
-        structure = self.samples, self.with_stability, self.drive, self.with_cables
-        return fitness_terms(world, x, *structure)
+        return fitness_terms(cast_world(self.world, x.dtype), x, *self._structure)
 
     def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
         """Total fitness of one decision vector."""
@@ -59,13 +58,15 @@ class Suspension:
 
     def twin(self, x: Float[Array, "pop dim"], band) -> Float[Array, "pop"]:
         """The fitness of many decision vectors with depths in place of counts, see `twin`."""
-        world = cast_world(self.world, x.dtype)
-        structure = self.samples, self.with_stability, self.drive, self.with_cables
-        return twin_fitness(world, x.T, *structure, band)
+        return twin_fitness(cast_world(self.world, x.dtype), x.T, *self._structure, band)
 
     def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"]:
         """S_c of every waypoint of every candidate (Eq. 18)."""
         return waypoint_stability(cast_world(self.world, x.dtype), x.T, self.drive).T
+
+    @property
+    def _structure(self) -> tuple[int, bool, str, bool, str]:
+        return self.samples, self.with_stability, self.drive, self.with_cables, self.contacts
 
 
 @jax.jit  # inside the outer program: an optimiser evaluates several times and traces this once
@@ -142,6 +143,7 @@ class Problem:
         world: World | None = None,
         with_stability: bool | None = None,
         space: FreeSpace | None = None,
+        contacts: str = CONTACTS[0],
     ) -> "Problem":
         """Planning the load's trajectory of a scenario: x holds the m waypoints, D = 3m.
 
@@ -159,6 +161,8 @@ class Problem:
                 number of obstacles); default built from the scenario.
             with_stability: whether S_cmin is checked; default: if the scenario sets it above 0.
             space: the scenario's free space if it is at hand; default `jaxsusp.free_space` of it.
+            contacts: where they are looked for: "swept", at every instant of the polyline, or
+                "sampled", the paper's check at the samples alone, through which cables slip.
 
         Raises:
             InputError: too few waypoints or samples, an unknown search rule, a suspension that
@@ -170,6 +174,7 @@ class Problem:
         require_count("waypoints", waypoints)
         require_count("samples", samples, least=3)  # fewer define no curvature
         require_known("search", search, SEARCHES)
+        require_known("contacts", contacts, CONTACTS)
         require_rule(scenario)
         dtype = dtype or jnp.zeros(()).dtype
         world = build_world(scenario) if world is None else world
@@ -177,7 +182,7 @@ class Problem:
             with_stability = scenario.limits.stability > 0
         line = np.linspace(scenario.task.start, scenario.task.goal, waypoints + 2)[1:-1]
         return cls(
-            Suspension(world, samples, with_stability, scenario.drive),
+            Suspension(world, samples, with_stability, scenario.drive, contacts=contacts),
             np.tile(np.asarray(lowest(scenario), dtype), waypoints),
             np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
             line.reshape(-1),

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.penetration import charge, sum_depths
 from jaxsusp.mechanics.drives import moving
+from jaxsusp.problem.choices import CONTACTS
 from jaxsusp.problem.constraints import SINGLE_PRECISION_STABILITY, WORKSPACE_TOLERANCE
 from jaxsusp.problem.fitness import SampledPath, sampled_path, trajectory, weighted
 from jaxsusp.scenario.world import World
@@ -53,6 +54,7 @@ def twin_fitness(
     with_stability: bool = False,
     drive: str = "cable",
     with_cables: bool = True,
+    contacts: str = CONTACTS[0],
     band: Float[Array, ""] | float = 0.0,
 ) -> Float[Array, "*batch"]:
     """The fitness with depths in place of counts.
@@ -64,6 +66,7 @@ def twin_fitness(
         with_stability: whether S_cmin is a limit.
         drive: how the ends follow the load.
         with_cables: whether cables and arms count, or the load alone.
+        contacts: one of `CONTACTS`.
         band: share of a `Unit` within which what is clear costs already, see `charge`.
     """
     path, unit = sampled_path(world, trajectory(world, x, samples), drive), Unit.of(world)
@@ -72,7 +75,8 @@ def twin_fitness(
         return charge(depth / unit.length, band)
 
     bodies = path.avoiding(world, with_cables)
-    amount = sum_depths(path.position, bodies, world.obstacles, unit.length, band)
+    at_samples = contacts == "sampled"
+    amount = sum_depths(path.position, bodies, world.obstacles, unit.length, band, at_samples)
     for excess in _limits(world, path, unit, with_stability):
         amount += charge(excess, band).sum(axis=0)
     if moving(drive):

@@ -10,9 +10,10 @@ import numpy as np
 from pydantic import ValidationError
 
 from jaxsusp._types import Array
-from jaxsusp.errors import InputError, require_count, require_known, require_seed
+from jaxsusp.errors import InputError, require, require_count, require_known, require_seed
 from jaxsusp.freespace.bodies import domain_of, obstacle_bodies
 from jaxsusp.freespace.build import free_space
+from jaxsusp.freespace.cells.passage import passage_width
 from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.geometry.obstacles import KINDS
@@ -22,7 +23,7 @@ from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
 from jaxsusp.scenario.ownunits import UNCHANGED
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world
-from jaxsusp.studies.rigs import RIGS, benchmark_rig, drawn_kind, drawn_rig, elsewhere
+from jaxsusp.studies.rigs import MOST_ROBOTS, RIGS, benchmark_rig, drawn_kind, drawn_rig, elsewhere
 from jaxsusp.vec3 import Vec3
 
 MOST = 1000
@@ -43,10 +44,19 @@ SAMPLES = 4000
 ATTEMPTS = 60
 """Scenes that are drawn before giving up."""
 
+PATIENCE = 10
+"""Times as many are drawn where a width is asked for: the wrong ones are told at once."""
+
 _CLOUD = 4000  # positions at which the share that is taken is measured
 
 
-def random_scenario(seed: int, obstacles: int = 10, rig: str = RIGS[0]) -> Scenario:
+def random_scenario(
+    seed: int,
+    obstacles: int = 10,
+    rig: str = RIGS[0],
+    robots: int | None = None,
+    passage: tuple[float, float] | None = None,
+) -> Scenario:
     """Draw a scene with the benchmark's robots, load and limits, and its kinds of obstacles.
 
     With `rig="any"` the robots are drawn as well: three to six unequal ones, the drive mode, the
@@ -60,23 +70,40 @@ def random_scenario(seed: int, obstacles: int = 10, rig: str = RIGS[0]) -> Scena
         seed: the same seed and number give the same scene.
         obstacles: how many, 1 to 1000; the more, the smaller.
         rig: "benchmark" or "any".
+        robots: how many, 3 to 12, evenly on the benchmark's ring; default three of the benchmark,
+            and of "any" as many as are drawn.
+        passage: least and greatest width of the narrowest place of the widest way, see
+            `jaxsusp.passage` (m; of "any" in its own units); default whatever it comes to.
 
     Raises:
-        InputError: bad numbers, an unknown rig, or no such scene within 60 attempts.
+        InputError: bad numbers, an unknown rig, or no such scene within 60 attempts, 600 where a
+            width is asked for.
     """
     require_seed(seed)
     require_count("obstacles", obstacles, most=MOST)
     require_known("rig", rig, RIGS)
-    kind = drawn_kind(np.random.default_rng([seed, obstacles])) if rig == "any" else None
-    for attempt in range(ATTEMPTS):
+    if robots is not None:
+        require_count("robots", robots, least=3, most=MOST_ROBOTS)
+    require(
+        passage is None or 0 <= passage[0] < passage[1],
+        f"passage = {passage}: give a least width of at least 0 m and a greatest above it",
+    )
+    kind = drawn_kind(np.random.default_rng([seed, obstacles]), robots) if rig == "any" else None
+    name, attempts = _name(seed, obstacles, rig, robots, passage), ATTEMPTS
+    if passage is not None:
+        attempts *= PATIENCE
+    for attempt in range(attempts):
         random = np.random.default_rng([seed, obstacles, attempt])
-        empty, frame = drawn_rig(random, kind) if kind else (benchmark_rig(), UNCHANGED)
-        scenario = _draw(random, _name(seed, obstacles, rig), obstacles, empty)
-        if scenario is not None and blocked(scenario) and solvable(scenario):
+        empty, frame = drawn_rig(random, kind) if kind else (benchmark_rig(robots), UNCHANGED)
+        scenario = _draw(random, name, obstacles, empty)
+        if scenario is None or not blocked(scenario):
+            continue
+        if (passage is None or _as_wide(scenario, passage)) and solvable(scenario):
             return elsewhere(scenario, frame)
+    wide = "" if passage is None else f" {passage[0]:g} to {passage[1]:g} m wide"
     raise InputError(
-        f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene in {ATTEMPTS} "
-        "attempts; choose another seed"
+        f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene{wide} in "
+        f"{attempts} attempts; choose another seed{' or range of passage' if wide else ''}"
     )
 
 
@@ -111,8 +138,21 @@ def random_scenarios(
     return tuple(scenes)
 
 
-def _name(seed: int, obstacles: int, rig: str = RIGS[0]) -> str:
-    return f"{'random' if rig == RIGS[0] else rig}-{seed}-{obstacles}"
+def _name(
+    seed: int,
+    obstacles: int,
+    rig: str = RIGS[0],
+    robots: int | None = None,
+    passage: tuple[float, float] | None = None,
+) -> str:
+    """What was asked for: "random-0-5", "random-0-5-robots-6-passage-0.1-0.2"."""
+    name = f"{'random' if rig == RIGS[0] else rig}-{seed}-{obstacles}"
+    name += "" if robots is None else f"-robots-{robots}"
+    return name if passage is None else f"{name}-passage-{passage[0]:g}-{passage[1]:g}"
+
+
+def _as_wide(scenario: Scenario, passage: tuple[float, float]) -> bool:
+    return passage[0] <= passage_width(scenario) <= passage[1]
 
 
 def blocked(scenario: Scenario) -> bool:

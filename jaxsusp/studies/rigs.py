@@ -22,9 +22,33 @@ SEPARATE = 0.15
 """Share of the rigs with three robots and still ends whose load has separate attachments."""
 
 
-def benchmark_rig() -> dict[str, Any]:
-    """The benchmark's robots, load and limits, as the tables of a scenario."""
-    return load_scenario("scenario-1").model_dump()
+MOST_ROBOTS = 12
+"""On the benchmark's ring; the columns of as many stand 2.6 m apart."""
+
+
+def benchmark_rig(robots: int | None = None) -> dict[str, Any]:
+    """The benchmark's robots, load and limits, as the tables of a scenario.
+
+    Args:
+        robots: how many, evenly on the benchmark's ring; its first robot stays where it is.
+            Default and 3: the benchmark's own.
+    """
+    rig = load_scenario("scenario-1").model_dump()
+    if robots is not None and robots != len(rig["robots"]):
+        first, whole = rig["robots"][0], 2 * np.pi
+        rig["robots"] = [_turned(first, whole * k / robots) for k in range(robots)]
+    return rig
+
+
+def _turned(robot: dict[str, Any], angle: float) -> dict[str, Any]:
+    """A robot about the vertical through the origin, to the micrometre."""
+    c, s = np.cos(angle), np.sin(angle)
+
+    def turned(place):
+        x, y, z = place
+        return [round(float(c * x - s * y), 6), round(float(s * x + c * y), 6), z]
+
+    return robot | {"base": turned(robot["base"]), "end": turned(robot["end"])}
 
 
 class Kind(NamedTuple):
@@ -35,9 +59,15 @@ class Kind(NamedTuple):
     hook: bool
 
 
-def drawn_kind(random: np.random.Generator) -> Kind:
-    """Three to six robots; only three move their ends, or carry separate attachments."""
+def drawn_kind(random: np.random.Generator, robots: int | None = None) -> Kind:
+    """Three to six robots; only three move their ends, or carry separate attachments.
+
+    Args:
+        random: what draws.
+        robots: how many, whatever is drawn.
+    """
     count = int(random.choice([3, 3, 3, 4, 5, 6]))
+    count = count if robots is None else robots
     drive = str(random.choice(DRIVES)) if count == 3 else "cable"
     return Kind(count, drive, count > 3 or drive != "cable" or random.random() >= SEPARATE)
 

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import jaxsusp as js
-from jaxsusp.geometry.collisions import Bodies, count_collisions
+from jaxsusp.geometry.collisions import Bodies, count_at_samples, count_collisions
 from jaxsusp.geometry.obstacles import pack
 from jaxsusp.problem.fitness import trajectory
 from jaxsusp.scenario.world import World, build_world
@@ -210,6 +210,26 @@ def test_a_contact_between_two_samples_is_found(scenarios, problems, number):
     assert sampled_check(scenario, path)
     assert not truly_clear(scenario, path, 60)
     assert counts(problem, x[None])[0] > 0
+    assert at_samples(problem, path[None]) == {1: 2, 6: 0}[number]  # 1: an inflated box's corner
+
+
+def at_samples(problem: js.Problem, paths: np.ndarray) -> np.ndarray:
+    """Contacts at the samples of polylines (…, 40, 3)."""
+    world = problem.fitness.world
+    position = Vec3(*jnp.moveaxis(jnp.asarray(paths), (-1, -2), (0, 1)))
+    return np.asarray(jax.jit(count_at_samples)(position, world.bodies, world.obstacles))
+
+
+def test_at_the_samples_each_counts_as_a_load_at_rest(problems):
+    """The sum over samples of what a motion from each to itself counts, and no more than that."""
+    problem = problems[4]
+    world, x = problem.fitness.world, np.random.default_rng(1).uniform(-2, 4, (15, 4))
+    paths = np.moveaxis(np.asarray(positions(world, jnp.asarray(x))), 0, -1)  # (40, 4, 3)
+    resting = Vec3(*jnp.asarray(np.stack([paths.reshape(-1, 3)] * 2)).transpose(2, 0, 1))
+    each = np.asarray(count(resting, world.bodies, world.obstacles)).reshape(40, 4)
+    found = at_samples(problem, paths.swapaxes(0, 1))
+    assert found.min() > 0
+    np.testing.assert_array_equal(found, each.sum(axis=0))
 
 
 def test_padding_never_counts(scenarios, problems):

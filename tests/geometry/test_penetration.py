@@ -12,12 +12,13 @@ from jaxsusp.geometry.collisions import (
     Bodies,
     Motion,
     _each_cable,
+    count_at_samples,
     count_collisions,
     with_margin,
 )
 from jaxsusp.geometry.depths import DEPTHS
 from jaxsusp.geometry.obstacles import KINDS, pack
-from jaxsusp.geometry.penetration import charge, sum_depths
+from jaxsusp.geometry.penetration import charge, deepest, sum_depths
 from jaxsusp.vec3 import Vec3
 
 UNIT = 0.1
@@ -186,3 +187,42 @@ def test_the_charge_is_the_depth_beyond_a_smooth_band():
     slope = np.diff(wide) / 1e-3
     assert (np.diff(slope) >= -1e-9).all(), "it must be convex"
     assert (np.abs(np.diff(slope)) < 3e-3).all(), "and have no corner"
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_at_the_samples_the_depths_agree_with_the_contacts(moving):
+    """As of the motion: a sum of 0 where the paper's check counts nothing, and more elsewhere."""
+    path, bodies = scene(moving)
+
+    @functools.partial(jax.jit, compiler_options=QUICKLY)
+    def both(path, bodies):
+        position = Vec3(*path)
+        amount = sum_depths(position, bodies, OBSTACLES, UNIT, 0.0, at_samples=True)
+        return amount, count_at_samples(position, bodies, OBSTACLES)
+
+    amount, contacts = map(np.asarray, both(path, bodies))
+    assert 40 < (contacts == 0).sum() < BATCH - 40
+    np.testing.assert_array_equal(amount[contacts == 0] < 1e-5, True)
+    assert (amount[contacts > 0] > 0).all()
+
+
+def test_the_deepest_is_where_the_check_at_samples_sees_it():
+    path, bodies = scene(moving=False)
+
+    @functools.partial(jax.jit, compiler_options=QUICKLY)
+    def both(path, bodies):
+        position = Vec3(*path)
+        return deepest(position, bodies, OBSTACLES), count_at_samples(position, bodies, OBSTACLES)
+
+    found, contacts = both(path, bodies)
+    np.testing.assert_array_equal(np.maximum(*found) >= 0, np.asarray(contacts) > 0)
+
+
+def test_depths_of_a_load_and_of_a_cable_are_those_on_paper():
+    """A load 0.1 m in radius beside a box, and a cable that runs through its middle."""
+    box = pack(np.array([[0, 0, 0, 0.5, 2, 0.3, 0]]), np.zeros((0, 5)), np.zeros((0, 4)), (1, 1, 1))
+    sizes = map(np.asarray, (0.1, 0.15, 0.01, 0.0))
+    bodies = Bodies(*sizes, Vec3(*np.zeros((3, 1))), Vec3(*np.array([[-2.0], [0], [0]])))
+    load, cables = deepest(Vec3(*np.array([[2.0, 0.57], [0, 0], [0, 0.0]])), bodies, box)
+    assert float(load) == pytest.approx(0.03)
+    assert float(cables) == pytest.approx(0.31)  # up or down and out

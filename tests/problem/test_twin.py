@@ -73,6 +73,25 @@ def test_it_is_the_fitness_where_nothing_counts_and_more_elsewhere(scenarios, dt
     assert counted.min() > 10
 
 
+def test_of_the_papers_check_as_well(scenarios):
+    """Contacts at the samples alone: of the same trajectories no fewer are clear."""
+    counted = np.zeros(2, int)
+    for i in (0, 4):
+        problem, sound = (problem_of(scenarios[i], contacts=each) for each in ("sampled", "swept"))
+        x = near_the_straight_line(problem, 0.3)
+        x[:, 2::3] += np.linspace(0, 2.5, len(x))[:, None]
+        counted += compare(problem, x)
+        at_samples, swept = (np.asarray(both(each, x)[1].collisions) for each in (problem, sound))
+        assert ((at_samples == 0) | (swept > 0)).all()
+    assert counted.min() > 10
+
+
+@pytest.mark.fast
+def test_another_check_than_the_two_is_refused(scenarios):
+    with pytest.raises(js.InputError, match=r"contacts = 'sample' .* did you mean"):
+        problem_of(scenarios[0], contacts="sample")
+
+
 @pytest.mark.parametrize("name", ["rim", "end-driven", "base-driven", "hybrid"])
 def test_of_every_drive_mode_as_well(name):
     """From near the straight line, in the empty room, to far from it, where limits are violated."""

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
+from jaxsusp.freespace.cells.passage import passage_width
 from jaxsusp.scenario.world import build_world
 from jaxsusp.studies import random_scenario
 from jaxsusp.studies.random_scenario import blocked, solvable
@@ -50,6 +51,31 @@ def test_a_seed_gives_one_scene():
     assert len(other.obstacles) == 3
 
 
+def test_scenes_are_those_of_ever():
+    """Best known values are kept by a scene's whole content."""
+    assert js.best_known(js.random_scenario(0, 5)) is not None
+
+
+def test_robots_and_passage_are_as_asked():
+    """Scenes of other robots or widths go through the same draws."""
+    scene = js.random_scenario(1, 6, robots=4, passage=(0.1, 0.3))
+    assert scene.name == "random-1-6-robots-4-passage-0.1-0.3"
+    assert len(scene.robots) == 4
+    assert 0.1 <= passage_width(scene) <= 0.3
+    assert passage_width(scene) == js.passage(scene, js.free_space(scene, coverage=0.1)).width
+    assert blocked(scene)
+    assert solvable(scene)
+
+
+@pytest.mark.fast
+def test_a_width_that_no_scene_has_is_told(monkeypatch):
+    monkeypatch.setattr(random_scenario, "ATTEMPTS", 1)
+    monkeypatch.setattr(random_scenario, "PATIENCE", 2)
+    monkeypatch.setattr(random_scenario, "_draw", lambda *_: None)
+    with pytest.raises(js.InputError, match="scene 5 to 6 m wide in 2 attempts; choose another"):
+        js.random_scenario(0, 3, passage=(5.0, 6.0))
+
+
 @pytest.mark.fast
 def test_a_series_is_the_same_for_every_count_and_gets_harder(scenarios, monkeypatch):
     def draw(seed, obstacles):
@@ -85,6 +111,8 @@ def test_open_and_hopeless_scenes_are_told_apart(scenarios):
         ((-1,), "seed = -1"),
         ((0, 0), "obstacles = 0: give a whole number from 1 to 1000"),
         ((0, 1001), "obstacles = 1001"),
+        ((0, 5, "benchmark", 2), "robots = 2: give a whole number from 3 to 12"),
+        ((0, 5, "benchmark", 3, (0.2, 0.1)), "passage = .* give a least width"),
     ],
 )
 def test_bad_numbers_are_refused(arguments, message):

@@ -5,7 +5,14 @@ import pytest
 
 import jaxsusp as js
 from jaxsusp.scenario.ownunits import Frame
-from jaxsusp.studies.rigs import FARTHEST, LARGEST, drawn_kind, drawn_rig, elsewhere
+from jaxsusp.studies.rigs import (
+    FARTHEST,
+    LARGEST,
+    benchmark_rig,
+    drawn_kind,
+    drawn_rig,
+    elsewhere,
+)
 
 
 @pytest.mark.fast
@@ -31,6 +38,24 @@ def test_a_scene_of_any_rig_is_admissible_blocked_and_the_same_again():
     assert scenario.units != Frame()
     line = np.linspace(scenario.task.start, scenario.task.goal, 7)[1:-1]
     assert js.plan_through(scenario, line).certificate.contacts
+
+
+@pytest.mark.fast
+def test_a_ring_holds_as_many_robots_as_asked():
+    assert benchmark_rig(3) == benchmark_rig()
+    robots = benchmark_rig(8)["robots"]
+    assert robots[0]["base"] == list(benchmark_rig()["robots"][0]["base"])
+    for place, radius in (("base", 5.0), ("end", 6.0)):
+        places = np.array([robot[place] for robot in robots])
+        np.testing.assert_allclose(np.linalg.norm(places[:, :2], axis=1), radius, atol=2e-6)
+        apart = np.linalg.norm(places - np.roll(places, 1, axis=0), axis=1)
+        np.testing.assert_allclose(apart, 2 * radius * np.sin(np.pi / 8), atol=2e-6)
+
+
+@pytest.mark.fast
+def test_drawn_rigs_have_the_robots_asked_for():
+    kinds = [drawn_kind(np.random.default_rng(seed), 5) for seed in range(9)]
+    assert {(kind.robots, kind.drive, kind.hook) for kind in kinds} == {(5, "cable", True)}
 
 
 @pytest.mark.fast

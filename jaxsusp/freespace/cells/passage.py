@@ -83,6 +83,15 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
     return Passage(width, error, (x, y, z), end, beside(forbidden, place), only)
 
 
+def passage_width(scenario: Scenario) -> float:
+    """The width (m) that a way is known to have, without any free space; 0 where none is known."""
+    forbidden = forbidden_of(scenario.own)
+    if not len(forbidden):
+        return np.inf
+    room = narrowest_place(forbidden, Errand.of(scenario.own)).room
+    return scenario.units.number(2 * max(room, 0.0), "m")
+
+
 class Narrowest(NamedTuple):
     """Where the widest way that was found has least room."""
 
