@@ -11,7 +11,18 @@ from matplotlib.figure import Figure
 from experiments.artefacts import Artefacts
 from jaxsusp.errors import require_known
 
-NAMES = ("published.comparison",)
+NAMES = (
+    "published.comparison",
+    "published.ends",
+    "published.system",
+    "published.schemes",
+    "published.environment",
+    "published.space",
+    "published.trajectories",
+    "published.motion",
+    "published.towing",
+    "published.convergence",
+)
 """Modules of this folder; what stands later may read the data of what stands before it."""
 
 
