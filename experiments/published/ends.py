@@ -13,7 +13,8 @@ from experiments.contents import Page, Work
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.best import best_plan
-from jaxsusp.report.render import Column, Footnote, significant
+from jaxsusp.report.render import Column, Footnote, percent, significant
+from jaxsusp.suspension.armclearance import ARM_MARGIN
 
 TITLE = "Where the ends are placed"
 PRINTED = "Tables 2, 3"
@@ -143,7 +144,8 @@ def lengths_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
     wide.attrs["caption"] = (
         f"The best of {runs['runs']} runs of {runs['iterations']} iterations with "
         f"{runs['population']} candidates; minimised is f₃ + f₄ with κ per fault, for the same "
-        "trajectory."
+        "trajectory. Limits kept: with the "
+        f"{ARM_MARGIN:g} m that placing keeps arms off everything beyond what is required."
     )
     return wide
 
@@ -180,10 +182,15 @@ def findings(frame: pd.DataFrame, printed: pd.DataFrame) -> str:
     )
     told = wide[wide["scenario"] == "printed"].set_index("algorithm")["sum"]
     low = printed.groupby("algorithm", sort=False)["z"].first()
+    spread = [
+        part["total"].max() / part["total"].min() - 1
+        for _, part in fine.groupby("scenario", sort=False)
+    ]
     text = (
         f"The least f₃ + f₄ with all limits kept has {wins or 'nobody'} of {len(scenarios)} "
-        f"scenario{'s' * (len(scenarios) > 1)}. As printed, {told.idxmin().upper()} has the "
-        f"shortest cables ({significant(told.min())} m in all) and {low.idxmin().upper()} the "
+        f"scenario{'s' * (len(scenarios) > 1)}; the best and the worst of them are at most "
+        f"{percent(max(spread, default=np.nan))} apart. As printed, {told.idxmin().upper()} has "
+        f"the shortest cables ({significant(told.min())} m in all) and {low.idxmin().upper()} the "
         f"lowest ends ({low.min():g} m); but {int(out_of_reach(printed).sum())} of the "
         f"{len(printed)} printed ends are out of reach. "
     )

@@ -1,5 +1,6 @@
 """Flow charts of the scheme, of force and position together, and of a free region."""
 
+import inspect
 import re
 
 from experiments.artefacts import Artefacts
@@ -47,7 +48,7 @@ def scheme() -> tuple[Element, ...]:
     for number, name in numbered:
         room = strategies if name.startswith("strategies.") else steps
         function = getattr(room, name.rpartition(".")[2], None)
-        if function not in used:
+        if function is None or inspect.unwrap(function) not in used:
             raise InputError(f"step {number}, {name}: planning does not come to it; mend `steps`")
         said = step(function)
         says = re.sub(r"^Step \d.*?: ", "", said.says)

@@ -1,5 +1,7 @@
 """Free space in the plane, in the colours of the paper's Fig. 5."""
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
@@ -71,7 +73,7 @@ def plane(
                       color=INK, zorder=8)  # fmt: skip
     axes.set_aspect("equal")
     frame_plane(axes, (0, 1), scenario.workspace, task, fontsize=9)
-    dot = {"ls": "", "mec": "white"}
+    dot: dict[str, Any] = {"ls": "", "mec": "white"}
     legend(
         figure,
         [

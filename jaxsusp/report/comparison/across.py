@@ -98,8 +98,8 @@ def _said(placed: pd.DataFrame) -> str:
         f"at {LEVEL:g} they differ where they are more than "
         f"{critical_difference(count, scenarios):.2f} apart. Wilcoxon's signed-rank test takes "
         f"each pair by itself; of {scenarios} scenarios and {count} algorithms its least p after "
-        f"Holm's correction is {least:.2g}. A₁₂: probability that a run of a is better than a run of b, "
-        "ties counting half, mean over the scenarios. Scenarios share tasks and obstacles: a "
+        f"Holm's correction is {least:.2g}. A₁₂: probability that a run of a is better than a run "
+        "of b, ties counting half, mean over the scenarios. Scenarios share tasks and obstacles: a "
         "description, not a proof."
     )
 

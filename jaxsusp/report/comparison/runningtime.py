@@ -37,7 +37,7 @@ def running_time_table(
                 spent = needed.sel(cell).values
                 spent = spent[~np.isnan(spent)]
                 if len(spent):
-                    budget = ds["evaluations"].sel(cell).item()
+                    budget = float(ds["evaluations"].sel(cell).item())
                     interval = bootstrap(spent, budget, level, resamples, seed)
                     reached = int(np.isfinite(spent).sum())
                     rows.append((scenario, algorithm, target, reached, len(spent), *interval))
