@@ -25,7 +25,7 @@ DIFFERS = (
 )
 MADE = ("ends",)
 READ = ("ends",)
-MINUTES = 2.0
+MINUTES = 3.0
 
 
 class Settings(NamedTuple):

@@ -28,8 +28,8 @@ from jaxsusp.report.drawing.style import (
 from jaxsusp.report.render import significant
 from jaxsusp.trajectory.timelaw import TimeLaw
 
-PAGE, COLUMN = 7.09, 3.46
-"""Widths of a page and of a column (inches)."""
+PAGE = 7.09
+"""Width of a page (inches)."""
 
 DASHES = ("-", (0, (5, 2)), (0, (1, 1)), (0, (5, 2, 1, 2)))
 """Of the algorithms in turn, where lines have no markers."""
