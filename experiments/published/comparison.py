@@ -1,6 +1,6 @@
 """Table 1: the four algorithms on the six scenarios, beside the printed table."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import xarray as xr
 
@@ -88,7 +88,7 @@ def findings(ds: xr.Dataset) -> str:
         f"By mean rank of the average fitness the order is {_order(paper.table1())} in the paper "
         f"and {_order(summary(four))} here."
     )
-    frames = {other: ratio_table(four, other) for other in OTHERS}
+    frames: dict[str, Any] = {other: ratio_table(four, other) for other in OTHERS}
     for other, frame in frames.items():
         if not has_ratios(frame):
             continue
@@ -107,7 +107,7 @@ def findings(ds: xr.Dataset) -> str:
 def _order(table: xr.Dataset) -> str:
     """Algorithms by mean rank, best first."""
     mean = ranks(table["average"]).mean("scenario").to_series().sort_values(kind="stable")
-    return ", ".join(f"{name.upper()} ({rank:.1f})" for name, rank in mean.items())
+    return ", ".join(f"{str(name).upper()} ({rank:.1f})" for name, rank in mean.items())
 
 
 def _tested(four: xr.Dataset) -> str:
@@ -115,7 +115,7 @@ def _tested(four: xr.Dataset) -> str:
     frame = across_table(four)
     if frame.empty:
         return ""
-    apart = frame[frame["p_nemenyi"] < LEVEL]
+    apart: Any = frame[frame["p_nemenyi"] < LEVEL]
     pairs = [
         f"{better.upper()} better than {worse.upper()}"
         for row in apart.itertuples()

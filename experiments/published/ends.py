@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -91,9 +91,9 @@ def draw(artefacts: Artefacts) -> Page:
 
 def ends_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
     """Table 2: a row per algorithm, an end per robot."""
-    both = pd.concat([printed.assign(scenario="printed"), frame])
+    both: Any = pd.concat([printed.assign(scenario="printed"), frame])
     end = "(" + both[["x", "y", "z"]].map("{:.3f}".format).agg(", ".join, axis=1) + ")"
-    wide = _by_robot(both.assign(end=end), "end").add_prefix("robot ").add_suffix(" (m)")
+    wide: Any = _by_robot(both.assign(end=end), "end").add_prefix("robot ").add_suffix(" (m)")
     wide = wide.reset_index()
     wide.attrs["title"] = "Ends of the cables (Table 2)"
     wide.attrs["group"] = ["scenario"]
@@ -116,8 +116,8 @@ def ends_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
 
 def lengths_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
     """Table 3: greatest lengths, their sum f3, what f4 adds, and whether all limits are kept."""
-    both = pd.concat([printed.assign(scenario="printed"), frame])
-    wide = _by_robot(both, "length").add_prefix("cable ")
+    both: Any = pd.concat([printed.assign(scenario="printed"), frame])
+    wide: Any = _by_robot(both, "length").add_prefix("cable ")
     wide["sum"] = wide.sum(axis=1)
     rest = frame.groupby(KEYS, sort=False)[["f4", "faults"]].first()
     wide = wide.join(rest).reset_index()
@@ -150,7 +150,7 @@ def lengths_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
     return wide
 
 
-def _by_robot(both: pd.DataFrame, value: str) -> pd.DataFrame:
+def _by_robot(both: Any, value: str) -> Any:
     """A row per scenario and algorithm as they come, a column per robot."""
     rows = both[KEYS].drop_duplicates()
     wide = both.set_index([*KEYS, "robot"])[value].unstack("robot")
@@ -167,9 +167,9 @@ def out_of_reach(printed: pd.DataFrame) -> pd.Series:
     return pd.Series(far > reach[place], printed.index)
 
 
-def findings(frame: pd.DataFrame, printed: pd.DataFrame) -> str:
+def findings(frame: Any, printed: Any) -> str:
     """Whose ends hang lowest and shortest, here and as printed."""
-    wide = lengths_table(frame, printed)
+    wide: Any = lengths_table(frame, printed)
     ours = wide[(wide["scenario"] != "printed") & (wide["algorithm"] != GIVEN)]
     scenarios = list(dict.fromkeys(ours["scenario"]))
     fine = ours[ours["fine"] == "yes"]

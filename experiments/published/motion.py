@@ -1,6 +1,9 @@
 """Position, velocity, acceleration and jerk of the four algorithms' best."""
 
+from typing import Any
+
 import numpy as np
+import pandas as pd
 
 from experiments.artefacts import Artefacts
 from experiments.contents import Page
@@ -24,8 +27,6 @@ SCENARIO = "scenario-1"
 
 def draw(artefacts: Artefacts) -> Page:
     """Twelve panels, and the greatest values."""
-    import pandas as pd
-
     ds = paper.of_the_paper(artefacts.comparison("comparison"))
     found = {name: best_plan(ds, SCENARIO, name) for name in ds["algorithm"].values.tolist()}
     plans = {name: plan for name, plan in found.items() if plan is not None}
@@ -39,7 +40,7 @@ def draw(artefacts: Artefacts) -> Page:
         greatest = [np.linalg.norm(each, axis=1).max() for each in motion[1:]]
         along = np.abs(motion.acceleration).max(axis=0)
         rows.append((name, *greatest, *along))
-    frame = pd.DataFrame(rows, columns=["algorithm", "v", "a", "j", "ax", "ay", "az"])
+    frame: Any = pd.DataFrame(rows, columns=["algorithm", "v", "a", "j", "ax", "ay", "az"])
     frame.attrs["title"] = "Greatest speed, acceleration and jerk"
     frame.attrs["columns"] = {
         "v": Column("speed (m/s)"),

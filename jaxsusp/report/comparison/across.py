@@ -9,6 +9,7 @@ can pass Wilcoxon's test after the correction.
 """
 
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -54,7 +55,10 @@ def wilcoxon(a: Float[np.ndarray, " scenarios"], b: Float[np.ndarray, " scenario
     with np.errstate(invalid="ignore"):
         apart = np.where(np.isinf(size), np.sign(a - b), (a - b) / np.where(size > 0, size, 1))
     apart = apart[np.nan_to_num(apart) != 0]
-    return float(stats.wilcoxon(apart).pvalue) if len(apart) else 1.0
+    if not len(apart):
+        return 1.0
+    tested: Any = stats.wilcoxon(apart)
+    return float(tested.pvalue)
 
 
 def across_table(ds: xr.Dataset) -> pd.DataFrame:
@@ -70,7 +74,7 @@ def across_table(ds: xr.Dataset) -> pd.DataFrame:
     placed, rows = scenario_ranks(ds), []
     if ranked(placed):
         count, scenarios = placed.shape
-        mean, middle = placed.mean(axis=1), _medians(ds)
+        mean, middle = placed.mean(axis=1).to_dict(), _medians(ds)
         runs = [samples_of(ds, scenario) for scenario in placed]
         for a, b in combinations(placed.index, 2):
             p = nemenyi(mean[a] - mean[b], count, scenarios)

@@ -3,6 +3,7 @@
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy import stats
 
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.tables import summary
@@ -41,8 +42,8 @@ def rank_chart(ds: xr.Dataset, metric: str = "average", width: float = 7.09) -> 
 
 def ranks(values: xr.DataArray) -> xr.DataArray:
     """Rank of every algorithm in every scenario, 1 the least; equal values share their mean."""
-    frame = values.transpose("scenario", "algorithm").to_pandas().rank(axis=1)
-    return xr.DataArray(frame)
+    ordered = values.transpose("scenario", "algorithm")
+    return ordered.copy(data=stats.rankdata(ordered.values, axis=1, nan_policy="omit"))
 
 
 def _finish(axes: Axes, scenarios: list[str], count: int, title: str) -> None:

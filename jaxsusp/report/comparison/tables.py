@@ -162,7 +162,8 @@ def printed_table(scenarios: list[str]) -> pd.DataFrame:
     names = [name for name in printed["scenario"].values.tolist() if name in scenarios]
     printed = printed.sel(scenario=names)
     frame = _flat(printed, ["scenario", "obstacles", "algorithm", *paper.UNITS])
-    rows = {(row["scenario"], row["algorithm"]): place for place, row in frame.iterrows()}
+    pairs = zip(frame["scenario"], frame["algorithm"], strict=True)
+    rows: dict[tuple[str, ...], int] = {pair: place for place, pair in enumerate(pairs)}
     worst = frozenset((rows[cell], "std") for cell in paper.where(paper.impossible_std(printed)))
     hit = frozenset((rows[cell], "min") for cell in paper.where(paper.colliding_best(printed)))
     frame.attrs["title"] = "Table 1 as it is printed"

@@ -119,10 +119,10 @@ def _arm_letters(axes: Axes, chain: np.ndarray, unit: float) -> None:
 
 def _frame(axes: Axes, origin: np.ndarray, name: str, size: float, zorder: float = 4.0) -> None:
     """Three arrows along x, y and z."""
-    at = VIEW.project(origin)
+    at = tuple(VIEW.project(origin))
     look = {"arrowstyle": "-|>", "color": PATH, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
     for axis, way in zip("xyz", size * np.eye(3), strict=True):
-        to = VIEW.project(origin + way)
+        to = tuple(VIEW.project(origin + way))
         arrow = {**look, "mutation_scale": 6}
         axes.annotate("", to, at, arrowprops=arrow, zorder=zorder)
         _beside(axes, origin + 1.22 * way, axis, (0.0, 0.0), fontsize=7, color=PATH)

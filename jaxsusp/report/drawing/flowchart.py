@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -172,7 +172,9 @@ class _Sheet:
 
         def draw(axes: Axes) -> None:
             axes.annotate("", stop, start, arrowprops={**look, "mutation_scale": 7}, zorder=3)
-            side = {"ha": "center", "va": "bottom"} if level else {"ha": "left", "va": "center"}
+            side: dict[str, Any] = {"ha": "left", "va": "center"}
+            if level:
+                side = {"ha": "center", "va": "bottom"}
             axes.text(x + 0.05 * (not level), y - 0.02 * level, label, fontsize=TEXT, color=INK,
                       zorder=4, **side)  # fmt: skip
 
