@@ -40,7 +40,7 @@ def configuration(scenario: Any, size: float = 1.0, width: float = 7.09) -> Figu
     _floor(axes, bases, floor)
     chains = [_chain(robot) for robot in scenario.robots]
     paint_solid(
-        axes, VIEW, cylinder(center, size * payload.radius, size * payload.height), LOAD, zorder=5
+        axes, VIEW, cylinder(center, size * payload.radius, size * payload.height), LOAD, zorder=5.0
     )
     for k, (chain, end, foot) in enumerate(zip(chains, ends, lower, strict=True)):
         _robot(axes, scenario.robots[k], chain)
@@ -55,7 +55,7 @@ def configuration(scenario: Any, size: float = 1.0, width: float = 7.09) -> Figu
         _frame(axes, chain[0], f"O{mark}", 0.8 * unit)
     _arm_letters(axes, chains[0], unit)
     _frame(axes, np.array([0.0, 0.0, floor]), "O_E", 1.1 * unit)
-    _frame(axes, center, "O_B", 1.5 * unit, zorder=7)
+    _frame(axes, center, "O_B", 1.5 * unit, zorder=7.0)
     axes.set_axis_off()
     axes.set_aspect("equal")
     axes.margins(0.03)
