@@ -54,7 +54,7 @@ def motions(laws: Mapping[str, TimeLaw], width: float = PAGE) -> Figure:
     look = styles(laws)
     for name, dash in zip(laws, DASHES * len(laws), strict=False):
         law = laws[name]
-        times = np.linspace(0, law.duration, 400)
+        times = np.linspace(0, law.duration, 2001)  # peaks of the jerk are narrow
         for row, values in zip(grid, law.at(times), strict=True):
             for axes, along in zip(row, values.T, strict=True):
                 axes.plot(times, along, color=look[name].color, ls=dash, lw=1.4)
