@@ -10,6 +10,7 @@ import xarray as xr
 
 from jaxsusp._files import atomic_path, write_text
 from jaxsusp.comparison import dataset
+from jaxsusp.comparison.together import load_together
 from jaxsusp.errors import InputError
 
 KEPT = Path(__file__).parent / "data"
@@ -50,14 +51,7 @@ class Artefacts:
         Raises:
             InputError: one is missing, or two differ in a setting or version.
         """
-        parts = [dataset.load_results(self._there(f"{name}.nc")) for name in names]
-        found = parts[0]
-        for name, part in zip(names[1:], parts[1:], strict=True):
-            try:
-                found = dataset.append_results(found, part)
-            except InputError as error:
-                raise InputError(f"{', '.join(names[:1])} and {name}: {error}") from error
-        return found
+        return load_together([self._there(f"{name}.nc") for name in names])
 
     def dataset(self, name: str) -> xr.Dataset:
         """A dataset that is no comparison."""

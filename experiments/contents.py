@@ -13,6 +13,15 @@ from jaxsusp.errors import require_known
 
 NAMES = (
     "published.comparison",
+    "published.ends",
+    "published.system",
+    "published.schemes",
+    "published.environment",
+    "published.space",
+    "published.trajectories",
+    "published.motion",
+    "published.towing",
+    "published.convergence",
     "claims.ledger",
     "studies.ablation",
     "studies.budgets",

@@ -62,7 +62,7 @@ class Evidence(NamedTuple):
         ours = summary(runs)
         # One time is measured for all scenarios; every one of them has its share.
         ours["runtime"] = ours["runtime"].broadcast_like(ours["min"])
-        return cls(paper.table1(), paper.tables2_3(), runs, ours)
+        return cls(paper.table1(), paper.tables_2_3(), runs, ours)
 
 
 def numbers(names: Iterable[str]) -> str:

@@ -31,7 +31,7 @@ def claims(evidence: Evidence) -> Iterator[Claim]:
 def ends_of(evidence: Evidence, algorithm: str) -> np.ndarray:
     """P_k of Table 2 (3, 3), m."""
     rows = evidence.ends[evidence.ends["algorithm"] == algorithm].sort_values("robot")
-    return rows[["end_x_m", "end_y_m", "end_z_m"]].to_numpy()
+    return rows[["x", "y", "z"]].to_numpy()
 
 
 def rig():
@@ -134,7 +134,7 @@ def stability(runs: xr.Dataset, height: float) -> float:
 
 
 def _sums(evidence: Evidence) -> Claim:
-    sums = evidence.ends.groupby("algorithm")["max_cable_length_m"].sum()
+    sums = evidence.ends.groupby("algorithm")["length"].sum()
     right = all(abs(sums[name] - claimed) < 5e-5 for name, claimed in SUMS.items())
     told = ", ".join(f"{name.upper()} {sums[name]:.4f} m" for name in PUBLISHED)
     return Claim(
@@ -154,7 +154,7 @@ def _lengths_change(evidence: Evidence) -> Claim:
     start, goal = (
         np.linalg.norm(ends - hook_at(place), axis=1) for place in (task.start, task.goal)
     )
-    printed = evidence.ends.query("algorithm == 'sdbo'").sort_values("robot")["max_cable_length_m"]
+    printed = evidence.ends.query("algorithm == 'sdbo'").sort_values("robot")["length"]
     change = ", ".join(f"{a:.2f} → {b:.2f} m" for a, b in zip(start, goal, strict=True))
     return Claim(
         "Sect. 4.2.2, Fig. 10",

@@ -180,6 +180,7 @@ def _tangent(
 
 
 def _require_free(bodies: Bodies, domain: HalfSpaces, seed: Point) -> None:
+    """Refuse a seed that is in a body or outside the domain."""
     given = f"seed = {seed.round(6).tolist()}"
     if not np.isfinite(seed).all() or domain.excess(seed) > GAP:
         raise InputError(f"{given} is outside the domain; choose a seed inside")

@@ -222,7 +222,7 @@ def _section(axes: Axes, region: Region, height: float, scenario: Scenario, stro
     _fill(axes, region.polytope, height, scenario, facecolor="none", ec=FREE, zorder=4, **look)
     if strong:
         _fill(axes, region.polytope, height, scenario, facecolor=FREE, alpha=0.1, lw=0, zorder=3)
-    ellipse = _ellipse(region.ellipsoid, height)
+    ellipse = ellipse_of(region.ellipsoid, height)
     if ellipse is not None:
         ellipse.set(fill=False, edgecolor=FREE, linestyle=":", zorder=4, **look)
         axes.add_patch(ellipse)
@@ -256,7 +256,7 @@ def section(halves: HalfSpaces, height: float, lower, upper) -> Polygon:
     return polygon
 
 
-def _ellipse(ellipsoid: Ellipsoid, height: float) -> Ellipse | None:
+def ellipse_of(ellipsoid: Ellipsoid, height: float) -> Ellipse | None:
     """The ellipse that an ellipsoid cuts out of a level plane."""
     inverse = np.linalg.inv(ellipsoid.C @ ellipsoid.C.T)
     up = height - ellipsoid.d[2]

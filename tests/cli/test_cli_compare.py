@@ -395,3 +395,24 @@ def test_a_scenario_that_cannot_be_drawn_is_told_and_the_rest_written(uninterrup
     assert told == ["no picture of scenario-3: the dataset does not hold this scenario"]
     assert tmp_path / "scenario-1.png" in files
     assert np.isfinite(uninterrupted["fitness"]).all()
+
+
+def test_report_puts_files_of_equal_settings_together(run, tmp_path):
+    """`tests/files` holds a comparison that is written; its halves are reported as one."""
+    import jaxsusp as js
+
+    whole = js.load_results("tests/files/compare-0.1.0.nc")
+    paths = [str(tmp_path / f"{name}.nc") for name in ("one", "other")]
+    for path, place in zip(paths, (slice(1), slice(1, None)), strict=True):
+        js.save_results(whole.isel(algorithm=place), path)
+    code, out, _ = run("report", *paths, "--output", str(tmp_path / "report"))
+    assert code == 0
+    for name in whole["algorithm"].values.tolist():
+        assert name in out
+    ds = js.load_results(paths[1])
+    ds.attrs["settings"] = ds.attrs["settings"].replace('"seed": 0', '"seed": 7')
+    js.save_results(ds, paths[1])
+    code, _, err = run("report", *paths, "--output", str(tmp_path / "report"))
+    assert code == 2
+    assert "differ in seed (0 and 7)" in err
+    assert paths[1] in err

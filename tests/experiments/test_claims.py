@@ -39,9 +39,9 @@ def test_the_printed_deviation_of_scenario_5_cannot_be():
 
 def test_tensions_at_printed_ends_balance_the_weight():
     """And some of them would have to push, at SDBO's ends as at all others."""
-    rows = paper.tables2_3()
+    rows = paper.tables_2_3()
     for name, group in rows.groupby("algorithm"):
-        held = group.sort_values("robot")[["end_x_m", "end_y_m", "end_z_m"]].to_numpy()
+        held = group.sort_values("robot")[["x", "y", "z"]].to_numpy()
         for place in (ends.rig().task.start, ends.rig().task.goal):
             pull = ends.pulled(held, place)
             rays = held - ends.hook_at(place)

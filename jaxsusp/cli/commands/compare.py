@@ -1,6 +1,7 @@
 """`jaxsusp compare` and `jaxsusp report`."""
 
 import json
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -130,15 +131,20 @@ def compare(
                 else "no algorithm had finished; nothing was written."
             )
     try:
-        _report(ds, output / FILE, output, gap, as_json)
+        _report(ds, [output / FILE], output, gap, as_json)
     except KeyboardInterrupt:
         file = output / FILE
         interrupted(f"the comparison is complete; `jaxsusp report {file}` writes its report.")
 
 
-@command(epilog="Example: jaxsusp report results/compare.nc --output figures")
+@command(epilog="Example: jaxsusp report results/compare.nc more/compare.nc --output figures")
 def report(
-    results: Annotated[Path, typer.Argument(help="A compare.nc that `jaxsusp compare` wrote.")],
+    results: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Files that `jaxsusp compare` wrote; several of equal settings are put together."
+        ),
+    ],
     output: Output = RESULTS,
     gap: Gap = False,
     html: Annotated[
@@ -146,20 +152,26 @@ def report(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Write the tables and figures of a saved comparison again, or one page with all of it."""
-    file = results / FILE
-    remedy = f"give {file}" if file.exists() else f"give a {FILE} that `jaxsusp compare` wrote"
-    require(not results.is_dir(), f"{results}: is a folder, not a file; {remedy}")
+    """Write the tables and figures of saved comparisons again, or one page with all of it."""
+    for place in results:
+        file = place / FILE
+        remedy = f"give {file}" if file.exists() else f"give a {FILE} that `jaxsusp compare` wrote"
+        require(not place.is_dir(), f"{place}: is a folder, not a file; {remedy}")
 
-    from jaxsusp.comparison.dataset import load_results
+    from jaxsusp.comparison.together import load_together
     from jaxsusp.optim import devices
 
     devices.configure()
-    _report(load_results(results), results, output, gap, as_json, html)
+    _report(load_together(results), results, output, gap, as_json, html)
 
 
 def _report(
-    ds: "xr.Dataset", source: Path, output: Path, gap: bool, as_json: bool, html: bool = False
+    ds: "xr.Dataset",
+    sources: Sequence[Path],
+    output: Path,
+    gap: bool,
+    as_json: bool,
+    html: bool = False,
 ) -> None:
     from rich.console import Console
 
@@ -181,7 +193,8 @@ def _report(
         if "comparison" not in shown:
             note(f"{len(ds['scenario'])} scenarios: all other tables are in {output}")
     for sentence in better_than_known(ds):
-        note(f"{sentence}; `python experiments/best_known.py --results {source}` keeps it")
+        where = sources[0] if len(sources) == 1 else "FILE, for the one that holds it,"
+        note(f"{sentence}; `python experiments/best_known.py --results {where}` keeps it")
     note(f"wrote {files[0]}" if html else f"{len(files)} tables and figures are in {output}")
 
 

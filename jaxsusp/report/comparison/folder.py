@@ -13,7 +13,15 @@ from matplotlib.figure import Figure
 
 from jaxsusp._files import write_text
 from jaxsusp.errors import ScenarioError
-from jaxsusp.report.comparison import figures, gaps, statistics, tables, targets
+from jaxsusp.report.comparison import (
+    across,
+    figures,
+    gaps,
+    runningtime,
+    statistics,
+    tables,
+    targets,
+)
 from jaxsusp.report.drawing import scene as scene3d
 from jaxsusp.report.drawing.style import save
 from jaxsusp.report.render import to_csv, to_markdown
@@ -25,9 +33,11 @@ TABLES: dict[str, Callable[[xr.Dataset], pd.DataFrame]] = {
     "stability": tables.stability_table,
     "gap-summary": gaps.gap_summary,
     "gap": gaps.gap_table,
+    "running-times": runningtime.running_time_table,
     "pairwise": statistics.pairwise,
     "medians": statistics.medians,
     "ranks": statistics.mean_ranks,
+    "across": across.across_table,
 }
 
 MOST_DRAWN = 12
@@ -93,10 +103,10 @@ def write_report(
 
 
 def figures_of(ds: xr.Dataset) -> Iterator[tuple[str, Figure]]:
-    """The figures of a whole comparison by their names; of many scenarios only running times."""
+    """The figures of a whole comparison by their names; of many scenarios those without panels."""
     few = ds.sizes["scenario"] <= MOST_DRAWN
-    for name, draw in _FIGURES.items() if few else [("ecdf", targets.running_times)]:
-        figure = draw(ds)
+    for name in _FIGURES if few else _OF_MANY:
+        figure = _FIGURES[name](ds)
         if figure is not None:
             yield name, figure
 
@@ -130,7 +140,11 @@ _FIGURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
     "convergence": figures.convergence,
     "fitness": figures.fitness_boxes,
     "ecdf": targets.running_times,
+    "critical-difference": across.diagram,
 }
+
+_OF_MANY = ("ecdf", "critical-difference")
+"""Figures that hold any number of scenarios."""
 
 
 def _stem(name: str, taken: set[str]) -> str:

@@ -12,6 +12,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jaxsusp.optim.choices import PUBLISHED
+from jaxsusp.scenario.builtin import scenarios
+
 RUNS = 20
 """Independent runs behind every row of Table 1."""
 
@@ -63,15 +66,36 @@ def table1() -> xr.Dataset:
     )
 
 
-def tables2_3() -> pd.DataFrame:
-    """Tables 2 and 3, a row per algorithm and robot.
+def tables_2_3() -> pd.DataFrame:
+    """Tables 2 and 3 as printed, a row per algorithm and robot.
 
-    Columns algorithm ("pso" …), robot (1 …), end_x_m, end_y_m, end_z_m, max_cable_length_m.
+    Returns:
+        Columns algorithm, robot (from 1), x, y, z of the end and greatest length of the cable (m).
     """
     source = resources.files("jaxsusp.report.comparison") / "data" / "tables2_3.csv"
     with source.open(encoding="utf-8") as file:
         rows = pd.read_csv(file)
-    return rows.assign(algorithm=rows["algorithm"].str.lower())
+    rows["algorithm"] = rows["algorithm"].str.lower()
+    names = {f"end_{axis}_m": axis for axis in "xyz"} | {"max_cable_length_m": "length"}
+    return rows.rename(columns=names)
+
+
+def of_the_paper(ds: xr.Dataset) -> xr.Dataset:
+    """The part of a comparison that the paper has, too: its algorithms, in its order."""
+    there = ds["algorithm"].values.tolist()
+    return ds.sel(algorithm=[name for name in PUBLISHED if name in there])
+
+
+def lacking(ds: xr.Dataset) -> str:
+    """A sentence on what of the paper's algorithms and scenarios a comparison has no run, or ""."""
+    ran = ds["fitness"].notnull().any("run")
+    empty = [
+        name
+        for name in (*PUBLISHED, *scenarios())
+        if name not in ran["algorithm" if name in PUBLISHED else "scenario"]
+        or not ran.sel({"algorithm" if name in PUBLISHED else "scenario": name}).any()
+    ]
+    return f"This comparison has no run of {', '.join(empty)}: left out here." if empty else ""
 
 
 def ratios(table: xr.Dataset, of: str = "sdbo", to: str = "dbo") -> xr.Dataset:
@@ -120,15 +144,15 @@ def beaten(table: xr.Dataset, algorithm: str = "sdbo") -> xr.Dataset:
     return (costs < costs.sel(algorithm=algorithm)).any("algorithm")
 
 
-def remarks(table: xr.Dataset) -> tuple[Remark, ...]:
-    """What is to be known about the SDBO/DBO ratios of `table1`, each found by a check above."""
+def remarks(table: xr.Dataset, to: str = "dbo") -> tuple[Remark, ...]:
+    """What is to be known about the ratios SDBO/`to` of `table1`, each found by a check above."""
     checks = (_impossible, _collides, _not_superior, _fastest)
-    return tuple(remark for check in checks for remark in check(table))
+    return tuple(remark for check in checks for remark in check(table, to))
 
 
-def _impossible(table: xr.Dataset) -> Iterator[Remark]:
+def _impossible(table: xr.Dataset, to: str) -> Iterator[Remark]:
     bound = largest_std(table["min"], table["max"], table["average"])
-    for scenario, algorithm in _where(impossible_std(table)):
+    for scenario, algorithm in where(impossible_std(table.sel(algorithm=["sdbo", to]))):
         printed, most = (v.loc[scenario, algorithm].item() for v in (table["std"], bound))
         yield Remark(
             f"No {RUNS} values with the printed minimum, maximum and mean have the printed "
@@ -137,19 +161,19 @@ def _impossible(table: xr.Dataset) -> Iterator[Remark]:
         )
 
 
-def _collides(table: xr.Dataset) -> Iterator[Remark]:
-    flags = colliding_best(table).sel(algorithm="dbo")
-    cells = tuple((s, metric) for (s,) in _where(flags) for metric in ("min", "average"))
+def _collides(table: xr.Dataset, to: str) -> Iterator[Remark]:
+    flags = colliding_best(table).sel(algorithm=to)
+    cells = tuple((s, metric) for (s,) in where(flags) for metric in ("min", "average"))
     if cells:
         yield Remark(
-            f"DBO's minimum exceeds κ = {KAPPA:.0f}: its best run collides, although the text "
-            "says that all algorithms find a safe trajectory. The ratio is mostly penalty.",
+            f"{to.upper()}'s minimum exceeds κ = {KAPPA:.0f}: its best run collides, although the "
+            "text says that all algorithms find a safe trajectory. The ratio is mostly penalty.",
             cells,
         )
 
 
-def _not_superior(table: xr.Dataset) -> Iterator[Remark]:
-    lost = {str(metric): [s for (s,) in _where(flags)] for metric, flags in beaten(table).items()}
+def _not_superior(table: xr.Dataset, to: str) -> Iterator[Remark]:
+    lost = {str(metric): [s for (s,) in where(flags)] for metric, flags in beaten(table).items()}
     places = [
         f"{metric.replace('_', ' ')} ({', '.join(name.rpartition('-')[2] for name in scenarios)})"
         for metric, scenarios in lost.items()
@@ -163,7 +187,7 @@ def _not_superior(table: xr.Dataset) -> Iterator[Remark]:
         )
 
 
-def _fastest(table: xr.Dataset) -> Iterator[Remark]:
+def _fastest(table: xr.Dataset, to: str) -> Iterator[Remark]:
     if not beaten(table)["runtime"].any():
         yield Remark(
             "SDBO has the least run time in every scenario although it evaluates the fitness "
@@ -172,7 +196,7 @@ def _fastest(table: xr.Dataset) -> Iterator[Remark]:
         )
 
 
-def _where(flags: xr.DataArray) -> Iterator[tuple[str, ...]]:
+def where(flags: xr.DataArray) -> Iterator[tuple[str, ...]]:
     """Coordinates of the true entries, in order."""
     for index in np.argwhere(flags.values):
         yield tuple(flags[name][i].item() for name, i in zip(flags.dims, index, strict=True))

@@ -34,7 +34,7 @@ def pairwise(ds: xr.Dataset) -> pd.DataFrame:
     """
     rows = []
     for scenario in ds["scenario"].values.tolist():
-        samples = _samples(ds, scenario)
+        samples = samples_of(ds, scenario)
         pairs = list(combinations(samples, 2))
         p = [mann_whitney(samples[a], samples[b]) for a, b in pairs]
         for (a, b), raw, corrected in zip(pairs, p, holm(np.array(p)), strict=True):
@@ -72,7 +72,7 @@ def medians(
     rows = [
         (scenario, algorithm, *_median_interval(values, level, resamples, seed))
         for scenario in ds["scenario"].values.tolist()
-        for algorithm, values in _samples(ds, scenario).items()
+        for algorithm, values in samples_of(ds, scenario).items()
     ]
     frame = pd.DataFrame(rows, columns=["scenario", "algorithm", "median", "low", "high"])
     frame.attrs["title"] = "Median fitness"
@@ -90,7 +90,7 @@ def mean_ranks(ds: xr.Dataset) -> pd.DataFrame:
     Returns:
         One row per algorithm, best first: columns algorithm, mean_rank and one per scenario.
     """
-    ranks = _ranks(ds)
+    ranks = scenario_ranks(ds)
     frame = pd.DataFrame({"mean_rank": ranks.mean(axis=1), **ranks})
     frame = frame.sort_values("mean_rank", kind="stable").rename_axis("algorithm").reset_index()
     test = friedman(ds).iloc[0]
@@ -115,7 +115,7 @@ def friedman(ds: xr.Dataset) -> pd.DataFrame:
         NaN for fewer than three algorithms or two scenarios, where an algorithm has no run in a
         scenario, or where everything is tied.
     """
-    ranks = _ranks(ds)
+    ranks = scenario_ranks(ds)
     algorithms, scenarios = ranks.shape
     statistic = p = np.nan
     complete = ranks.notna().all(axis=None) and algorithms >= 3 and scenarios >= 2
@@ -167,15 +167,15 @@ def _median_interval(
     return median(values), float(low), float(high)
 
 
-def _samples(ds: xr.Dataset, scenario: str) -> dict[str, Values]:
+def samples_of(ds: xr.Dataset, scenario: str) -> dict[str, Values]:
     """Final fitness of the runs there are, by algorithm."""
     fitness = ds["fitness"].sel(scenario=scenario)
     values = {name: fitness.sel(algorithm=name).values for name in ds["algorithm"].values.tolist()}
     return {name: runs[~np.isnan(runs)] for name, runs in values.items()}
 
 
-def _ranks(ds: xr.Dataset) -> pd.DataFrame:
+def scenario_ranks(ds: xr.Dataset) -> pd.DataFrame:
     """Rank of every algorithm's median (rows) in every scenario (columns)."""
     scenarios = ds["scenario"].values.tolist()
-    centre = {scenario: _samples(ds, scenario) for scenario in scenarios}
+    centre = {scenario: samples_of(ds, scenario) for scenario in scenarios}
     return pd.DataFrame(centre).map(median).rank(axis=0)

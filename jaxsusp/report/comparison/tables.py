@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from jaxsusp.report.comparison import gaps, paper
+from jaxsusp.report.comparison.statistics import samples_of, vargha_delaney
 from jaxsusp.report.render import Cell, Column, Footnote, duration
 
 _SMALLEST_IS_BEST = ("min", "max", "average", "std", "length", "height", "runtime", "gap")
@@ -101,35 +102,79 @@ def _own_units(ds: xr.Dataset) -> str:
     )
 
 
-def ratio_table(ds: xr.Dataset) -> pd.DataFrame:
-    """The paper's SDBO/DBO ratios and ours, one row each per scenario of the comparison.
+def ratio_table(ds: xr.Dataset, to: str = "dbo") -> pd.DataFrame:
+    """The paper's ratios of SDBO to another algorithm and ours, one row each per scenario.
+
+    Args:
+        ds: a comparison.
+        to: the other algorithm, one of the paper's.
 
     Returns:
-        Columns scenario, source ("paper", "ours") and the metrics of `paper.RATIOS`. NaN where the
-        paper has no such scenario, or the comparison no sdbo or no dbo.
+        Columns scenario, source ("paper", "ours"), the metrics of `paper.RATIOS`, and a12 (the
+        probability that a run of SDBO is better; the paper prints no runs). NaN where the paper has
+        no such scenario, or the comparison lacks one of the two.
     """
     printed = paper.table1()
-    ours = summary(ds).reindex(algorithm=["dbo", "sdbo"])
+    ours = summary(ds).reindex(algorithm=[to, "sdbo"])
     pair = xr.concat(
         [
-            paper.ratios(printed).reindex(scenario=ds["scenario"].values),
-            paper.ratios(ours),
+            paper.ratios(printed, to=to).reindex(scenario=ds["scenario"].values),
+            paper.ratios(ours, to=to).assign(a12=_better(ds, "sdbo", to)),
         ],
         dim=pd.Index(["paper", "ours"], name="source"),
     )
-    frame = _flat(pair, ["scenario", "source", *paper.RATIOS])
+    frame = _flat(pair, ["scenario", "source", *paper.RATIOS, "a12"])
     rows = {s: row for row, s in frame["scenario"].items() if frame.at[row, "source"] == "paper"}
-    frame.attrs["title"] = "SDBO / DBO, the paper and ours"
+    frame.attrs["title"] = f"SDBO / {to.upper()}, the paper and ours"
     frame.attrs["group"] = ["scenario"]
     frame.attrs["columns"] = {metric: Column(metric) for metric in paper.RATIOS}
     frame.attrs["caption"] = (
         "Below 1, SDBO is better. The paper prints no obstacle coordinates and our scenarios are "
-        "our own, so ratios compare and absolute values do not."
+        "our own, so ratios compare and absolute values do not. A₁₂: probability that a run of "
+        f"SDBO is better than a run of {to.upper()}, ties counting half; the paper prints no runs."
     )
     frame.attrs["footnotes"] = [
         Footnote(r.text, frozenset((rows[s], metric) for s, metric in r.cells if s in rows))
-        for r in paper.remarks(printed)
+        for r in paper.remarks(printed, to)
     ]
+    return frame
+
+
+def _better(ds: xr.Dataset, of: str, to: str) -> xr.DataArray:
+    """Probability that a run of one algorithm is better than one of another (scenario)."""
+    names, there = ds["scenario"].values.tolist(), ds["algorithm"].values.tolist()
+    both = of in there and to in there
+    runs = [samples_of(ds, name) if both else {} for name in names]
+    found = [vargha_delaney(each[of], each[to]) if both else np.nan for each in runs]
+    return xr.DataArray(found, {"scenario": names}, "scenario")
+
+
+def printed_table(scenarios: list[str]) -> pd.DataFrame:
+    """The paper's Table 1 as it is printed, with what does not add up in it.
+
+    Args:
+        scenarios: those of a comparison; others than the paper's have no rows.
+
+    Returns:
+        Columns scenario, obstacles, algorithm and the metrics of `paper.UNITS`.
+    """
+    printed = paper.table1()
+    names = [name for name in printed["scenario"].values.tolist() if name in scenarios]
+    printed = printed.sel(scenario=names)
+    frame = _flat(printed, ["scenario", "obstacles", "algorithm", *paper.UNITS])
+    pairs = zip(frame["scenario"], frame["algorithm"], strict=True)
+    rows: dict[tuple[str, ...], int] = {pair: place for place, pair in enumerate(pairs)}
+    worst = frozenset((rows[cell], "std") for cell in paper.where(paper.impossible_std(printed)))
+    hit = frozenset((rows[cell], "min") for cell in paper.where(paper.colliding_best(printed)))
+    frame.attrs["title"] = "Table 1 as it is printed"
+    frame.attrs["group"] = ["scenario", "obstacles"]
+    frame.attrs["columns"] = {"runtime": Column("run time (s)")}
+    frame.attrs["caption"] = "Of the paper's own scenarios, whose obstacles it does not print."
+    frame.attrs["footnotes"] = [
+        Footnote("No 20 values with this minimum, maximum and mean have this std.", worst),
+        Footnote("More than κ = 1000, so that even the best run collides.", hit),
+    ]
+    frame.attrs["footnotes"] = [note for note in frame.attrs["footnotes"] if note.cells]
     return frame
 
 

@@ -1,6 +1,6 @@
 """A scenario and the best trajectories in it: the paper's Fig. 7, view and top view."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -29,6 +29,7 @@ from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
 from jaxsusp.report.drawing.style import (
     INK,
     QUIET,
+    Style,
     heading,
     legend,
     picture,
@@ -45,6 +46,9 @@ from jaxsusp.suspension.rigging import ends_beside
 STONE = "#C9CDD3"
 LOAD = "#5A5F69"
 
+WIDTH = 13.0
+"""Inches; of figures for a screen."""
+
 BESIDE = 0.4
 """Own units of length in the picture, within which what stands before a curve disturbs it."""
 
@@ -52,7 +56,9 @@ _CABLES = {"start": "-", "goal": (0, (5, 3))}
 """Dashes of the cables at either end of the task."""
 
 
-def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Figure:
+def scene(
+    scenario: Any, ds: xr.Dataset | None = None, arms: bool = False, width: float = WIDTH
+) -> Figure:
     """Draw a scenario: a view from where the trajectories are seen best, and the top view.
 
     Cables are shown at start (solid) and goal (dashed). What an obstacle hides is thin and pale.
@@ -62,24 +68,28 @@ def scene(scenario: Any, ds: xr.Dataset | None = None, arms: bool = False) -> Fi
         ds: the comparison at this scenario, with `position` (algorithm, sample, axis) and
             `fitness`, `collisions`, `violations` (algorithm, run); None draws the scenario alone.
         arms: draw the robots as well, in the view only.
+        width: of the figure, inches; below `WIDTH` it is for print: curves carry markers, and the
+            obstacles' names are left to the caption.
 
     Returns:
         A figure with two axes: the view (metres in the picture plane) and the top view (x, y).
     """
-    curves = _trajectories(ds)
+    curves, printed = _trajectories(ds), width < WIDTH
     look = styles(curves)
-    figure, stages = stage(scenario, list(curves.values()))
+    figure, stages = stage(scenario, list(curves.values()), width)
     for axes, eye, solids in stages:
         for name, curve in curves.items():
             paint_curve(
                 axes, eye, solids, curve, zorder=5.0, color=look[name].color, linewidth=2.2,
                 linestyle=look[name].dash,
             )  # fmt: skip
+    if printed:
+        _mark(stages, curves, look)
     if arms:
         _arms(*stages[0][:2], scenario)
     best = "" if ds is None else f": best of {runs_made(ds)} per algorithm, and its fitness"
     heading(figure, scenario.name + best)
-    legend(figure, [*cable_samples(), *_samples(ds)])
+    legend(figure, [*cable_samples(), *_samples(ds, printed)])
     return figure
 
 
@@ -87,17 +97,20 @@ Stage = tuple[Axes, Camera, list[Solid]]
 """Axes, who looks, and the obstacles in sight."""
 
 
-def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stage]]:
+def stage(
+    scenario: Any, curves: list[Curve], width: float = WIDTH
+) -> tuple[Figure, tuple[Stage, Stage]]:
     """A figure of a scenario to draw into: a view that shows the curves well, and the top view.
 
     Args:
         scenario: a `Scenario`; its obstacles, loads and cables are drawn.
         curves: what is to be seen (m); none for a view of the task.
+        width: of the figure, inches.
     """
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
     camera = best_view(solids, curves or [task], unit=frame_of(scenario).length)
-    figure = picture(13.0, 7.0)
+    figure = picture(width, 7.0 / 13.0 * width)
     view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
     paint_room(
         view, camera, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario)
@@ -106,7 +119,7 @@ def stage(scenario: Any, curves: list[Curve]) -> tuple[Figure, tuple[Stage, Stag
     for axes, eye, _ in stages:
         _obstacles(axes, eye, scenario, solids)
         _cables(axes, eye, scenario, solids)
-    _finish_view(view, scenario)
+    _finish_view(view, scenario, named=width >= WIDTH)
     _finish_top(top, scenario)
     return figure, stages
 
@@ -191,7 +204,19 @@ def cable_samples() -> list[Line2D]:
     ]
 
 
-def _samples(ds: xr.Dataset | None) -> list[Line2D]:
+def _mark(stages: tuple[Stage, Stage], curves: dict[str, Curve], look: Mapping[str, Style]) -> None:
+    """Markers by which curves can be told apart in grey, at other places on each of them."""
+    for axes, eye, _ in stages:
+        for shift, (name, curve) in enumerate(curves.items()):
+            some = curve[4 + 2 * shift :: max(len(curve) // 4, 1)]
+            flat = eye.project(some).T
+            axes.plot(
+                *flat, look[name].marker, ms=5, color=look[name].color, mec="white", mew=0.6,
+                zorder=5.5,
+            )  # fmt: skip
+
+
+def _samples(ds: xr.Dataset | None, marked: bool = False) -> list[Line2D]:
     """Legend entries of the algorithms with the fitness of the run that is drawn."""
     if ds is None:
         return []
@@ -202,7 +227,10 @@ def _samples(ds: xr.Dataset | None) -> list[Line2D]:
         fitness, collisions, violations = (v.item() for v in best.sel(algorithm=name).values())
         doubt = "  (violates limits)" if collisions + violations else ""
         text = f"{style.label}  {significant(fitness)}{doubt}"
-        entries.append(Line2D([], [], color=style.color, ls=style.dash, lw=2.2, label=text))
+        marker = style.marker if marked else ""
+        entries.append(
+            Line2D([], [], color=style.color, ls=style.dash, lw=2.2, marker=marker, label=text)
+        )
     return entries
 
 
@@ -267,18 +295,25 @@ def _arms(axes: Axes, camera: Camera, scenario: Any) -> None:
         axes.plot(*flat[:, :3], "o", color="#7C8694", ms=4, zorder=1.6)
 
 
-def _finish_view(axes: Axes, scenario: Any) -> None:
+def _finish_view(axes: Axes, scenario: Any, named: bool = True) -> None:
     axes.set_axis_off()
     axes.set_aspect("equal")
     axes.margins(0.045)
     for text in axes.texts:
         text.set_clip_on(False)
-    names = [f"{i} {o.name or o.kind}" for i, o in enumerate(scenario.obstacles, start=1)]
+    if not named:
+        return
+    names = obstacle_names(scenario)
     lines = ["   ".join(names[i : i + 5]) for i in range(0, len(names), 5)]
     axes.text(
         0.5, -0.01, "\n".join(lines), transform=axes.transAxes, ha="center", va="top",
         fontsize=8, color="#5F6670", linespacing=1.5,
     )  # fmt: skip
+
+
+def obstacle_names(scenario: Any) -> list[str]:
+    """The obstacles with their numbers in pictures."""
+    return [f"{i} {o.name or o.kind}" for i, o in enumerate(scenario.obstacles, start=1)]
 
 
 def _finish_top(axes: Axes, scenario: Any) -> None:

@@ -67,15 +67,20 @@ def _position_name(plan: Plan) -> str:
     return f"position from {in_words(start)} (m)" if start.any() else "position (m)"
 
 
-def cables(plan: Plan) -> Figure:
-    """Length and tension of every cable with their limits (Fig. 10)."""
+def cables(plan: Plan, width: float | None = None) -> Figure:
+    """Length and tension of every cable with their limits (Fig. 10).
+
+    Args:
+        plan: any plan.
+        width: of the figure, inches; by default by the number of cables.
+    """
     times, limits = _instants(plan), plan.scenario.limits
     loads = plan.loads_at(times)
     rows = {
         "length (m)": (loads.lengths, limits.cable_length),
         "tension (N)": (loads.tensions, limits.tension),
     }
-    figure, grid = _per_cable(plan.rigging.cables, "cable", list(rows))
+    figure, grid = _per_cable(plan.rigging.cables, "cable", list(rows), width)
     for panels, (values, bounds) in zip(grid, rows.values(), strict=True):
         for k, axes in enumerate(panels):
             _curves(axes, times, values[:, k, None], [CABLES[k % len(CABLES)]])
@@ -159,7 +164,9 @@ def _instants(plan: Plan) -> Float[np.ndarray, " times"]:
     return np.linspace(0, plan.law.duration, INSTANTS)
 
 
-def _per_cable(count: int, what: str, rows: Sequence[str]) -> tuple[Figure, list[list[Axes]]]:
+def _per_cable(
+    count: int, what: str, rows: Sequence[str], width: float | None = None
+) -> tuple[Figure, list[list[Axes]]]:
     """A column of panels per cable or robot, in blocks below each other where there are many.
 
     Returns:
@@ -167,7 +174,9 @@ def _per_cable(count: int, what: str, rows: Sequence[str]) -> tuple[Figure, list
     """
     blocks = -(-count // ACROSS)
     across = -(-count // blocks)
-    figure = picture(min(3.9 * across, 12.8), 2.5 * blocks * len(rows) + 1.0)
+    high = 2.5 if width is None else 0.26 * width
+    width = width or min(3.9 * across, 12.8)
+    figure = picture(width, high * blocks * len(rows) + 1.0)
     cells = figure.add_gridspec(blocks * len(rows), across)
     grid: list[list[Axes]] = [[] for _ in rows]
     for k in range(count):

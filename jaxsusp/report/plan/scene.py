@@ -94,15 +94,19 @@ def _postures(plan: Plan, u: np.ndarray) -> np.ndarray:
     return plan.loads_at(times).posture[: len(u)]
 
 
-def scene(plan: Plan) -> Figure:
+def scene(plan: Plan, width: float = 13.0) -> Figure:
     """The load's way with its poses, and the cables in every pose (Fig. 9).
 
     Where ends move, their ways are drawn as well, and the arms at the start (pale) and the goal.
+
+    Args:
+        plan: any plan.
+        width: of the figure, inches.
     """
     scenario = plan.scenario
     stills = Stills.of(plan)
     camera = plan_view(plan, stills)
-    figure = picture(13.0, 7.4)
+    figure = picture(width, 7.4 / 13.0 * width + 0.3 * (width < 13.0))
     view, top = figure.subplots(1, 2, width_ratios=[1.15, 1])
     paint_room(
         view, camera, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario)

@@ -216,3 +216,23 @@ def test_own_units_that_are_not_m_and_kg_are_told(comparison):
     caption = tables.comparison_table(small).attrs["caption"]
     name = str(small["scenario"].values[0])
     assert f"own units, here of {name} 0.05 m and 0.002 kg." in caption
+
+
+def test_ratios_to_another_algorithm_have_an_effect_size(comparison):
+    frame = tables.ratio_table(comparison, "pso")
+    assert frame.attrs["title"] == "SDBO / PSO, the paper and ours"
+    assert frame.loc[0, "length"] == pytest.approx(6.0464 / 6.8343)
+    # 100 200 300 600 against 400 800 1200 2400: of 16 pairs sdbo loses one
+    assert frame.loc[1, "a12"] == pytest.approx(15 / 16)
+    assert np.isnan(frame.loc[0, "a12"])  # the paper prints no runs
+    collides = frame.attrs["footnotes"][1]
+    assert "PSO's minimum" not in collides.text  # it never exceeds κ
+
+
+def test_the_printed_table_carries_what_does_not_add_up():
+    frame = tables.printed_table(["scenario-1", "scenario-5", "mine"])
+    assert len(frame) == 8
+    first, second = frame.attrs["footnotes"]
+    assert first.cells == {(7, "std")}  # sdbo in scenario 5
+    assert second.cells == {(2, "min")}  # dbo in scenario 1
+    assert "| 18.17 |" in to_markdown(frame)

@@ -262,3 +262,14 @@ def test_an_algorithm_without_a_trajectory_is_left_out(scenario, comparison):
 def test_a_scene_is_saved_as_png(scenario, comparison, tmp_path):
     scene3d.save(scene3d.scene(scenario, comparison.isel(scenario=0)), tmp_path / "scene.png")
     assert (tmp_path / "scene.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_for_print_curves_carry_markers_and_obstacles_only_their_numbers(scenario, comparison):
+    figure = scene3d.scene(scenario, comparison.isel(scenario=0), width=7.09)
+    for axes in figure.axes:
+        assert {"o", "s", "^", "D"} <= {line.get_marker() for line in axes.get_lines()}
+    told = " ".join(text.get_text() for text in figure.axes[0].texts)
+    names = scene3d.obstacle_names(scenario)
+    assert names[0].startswith("1 ")
+    assert names[0] not in told
+    assert names[0] in " ".join(t.get_text() for t in scene3d.scene(scenario).axes[0].texts)
