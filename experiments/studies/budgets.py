@@ -47,8 +47,8 @@ class Settings(NamedTuple):
 
     scenarios: tuple[str, ...] = js.scenarios()
     algorithms: tuple[str, ...] = tuple(js.ALGORITHMS)
-    runs: int = 6
-    iterations: int = 250
+    runs: int = 20
+    iterations: int = 500
     population: int = 30
     seed: int = 0
 

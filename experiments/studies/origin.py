@@ -37,13 +37,13 @@ class Settings(NamedTuple):
     scenarios: tuple[str, ...] = js.scenarios()
     algorithms: tuple[str, ...] = tuple(js.ALGORITHMS)
     distances: tuple[float, ...] = (0.0, 1.0, 3.0, 10.0)  # m
-    runs: int = 6
-    iterations: int = 250
+    runs: int = 20
+    iterations: int = 500
     population: int = 30
     seed: int = 0
     functions: tuple[str, ...] = tuple(FUNCTIONS)
     dim: int = 30
-    runs_of_functions: int = 6
+    runs_of_functions: int = 20
 
 
 FULL = Settings()
