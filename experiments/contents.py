@@ -22,7 +22,6 @@ NAMES = (
     "published.motion",
     "published.towing",
     "published.convergence",
-    "claims.ledger",
     "studies.ablation",
     "studies.budgets",
     "studies.origin",
@@ -30,6 +29,7 @@ NAMES = (
     "studies.sensitivity",
     "studies.cable_check",
     "studies.difficulty",
+    "claims.ledger",
 )
 """Modules of this folder; what stands later may read the data of what stands before it."""
 

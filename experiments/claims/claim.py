@@ -6,6 +6,7 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
+from experiments.artefacts import Artefacts
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.tables import summary
@@ -54,15 +55,18 @@ class Evidence(NamedTuple):
     ends: pd.DataFrame  # printed, Tables 2 and 3
     runs: xr.Dataset  # our comparison of the published algorithms
     ours: xr.Dataset  # its metrics by scenario and algorithm, as in Table 1
+    checks: xr.Dataset  # runs with the paper's check of cables, and with the sound one
 
     @classmethod
-    def of(cls, runs: xr.Dataset) -> "Evidence":
-        """The evidence of a comparison that holds the four published algorithms."""
+    def of(cls, artefacts: Artefacts) -> "Evidence":
+        """The evidence that is kept; of the comparison, the four published algorithms."""
+        runs = artefacts.comparison("comparison")
         runs = runs.sel(algorithm=[*PUBLISHED])
         ours = summary(runs)
         # One time is measured for all scenarios; every one of them has its share.
         ours["runtime"] = ours["runtime"].broadcast_like(ours["min"])
-        return cls(paper.table1(), paper.tables_2_3(), runs, ours)
+        checks = artefacts.dataset("cable-check").sel(algorithm=[*PUBLISHED])
+        return cls(paper.table1(), paper.tables_2_3(), runs, ours, checks)
 
 
 def numbers(names: Iterable[str]) -> str:

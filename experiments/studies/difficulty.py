@@ -58,7 +58,9 @@ class Settings(NamedTuple):
     scenes: int = 4  # of a level, on which algorithms are compared …
     planned: int = 1  # … and of these so many are planned as well, with the base's robots …
     planned_up_to: int = 25  # … and up to so many obstacles: each shape compiles programs anew
-    fewer: tuple[tuple[int, int], ...] = ((100, 2),)  # (obstacles, scenes) where scenes take long to draw
+    fewer: tuple[tuple[int, int], ...] = (
+        (100, 2),
+    )  # (obstacles, scenes) where scenes take long to draw
     algorithms: tuple[str, ...] = ("pso", "sdbo")
     runs: int = 10
     iterations: int = 300

@@ -84,6 +84,6 @@ def test_words():
 def test_the_evidence_holds_the_published_four_with_one_row_each():
     from experiments.artefacts import Artefacts
 
-    evidence = Evidence.of(Artefacts().comparison("comparison"))
+    evidence = Evidence.of(Artefacts())
     assert evidence.ours["runtime"].dims == evidence.table1["runtime"].dims
     assert evidence.runs["algorithm"].values.tolist() == ["pso", "ga", "dbo", "sdbo"]
