@@ -15,7 +15,8 @@ def fake(monkeypatch):
     """Replace the search by one that costs nothing; lists (algorithm, runs) of every batch."""
     batches = []
 
-    def run_batch(problems, optimizer, seed, runs, iterations, population, report):
+    def run_batch(problems, optimizer, seed, runs, iterations, population, report, room):
+        assert room >= iterations
         batches.append((optimizer.name, list(runs)))
         shape = (len(problems.lower), len(runs))
         rng = [np.random.default_rng([seed, len(optimizer.name), run]) for run in runs]
