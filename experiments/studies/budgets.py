@@ -35,7 +35,7 @@ DIFFERS = (
     "fitness evaluations, or equally much time?"
 )
 MADE = READ = ("budgets",)
-MINUTES = 3.0
+MINUTES = 6.0
 
 
 ROOM = 4

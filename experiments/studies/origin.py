@@ -28,7 +28,7 @@ DIFFERS = (
     "they owe to where the origin is: of tasks that are moved, and of classical functions?"
 )
 MADE = READ = ("origin_tasks", "origin_functions")
-MINUTES = 4.0
+MINUTES = 8.0
 
 
 class Settings(NamedTuple):
