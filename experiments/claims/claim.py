@@ -1,17 +1,22 @@
 """One claim with the evidence for and against it, and what follows."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from experiments.artefacts import Artefacts
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.report.comparison import paper
+from jaxsusp.report.comparison.statistics import mann_whitney, vargha_delaney
 from jaxsusp.report.comparison.tables import summary
+from jaxsusp.report.render import probability, two_decimals
 
 RUNS = "python -m experiments make published.comparison"
+CHECKS = "python -m experiments make studies.cable_check"
+ABLATION = "python -m experiments make studies.ablation"
 PRINT = "python -m experiments draw claims.ledger"
 """Where the printed tables are enough."""
 
@@ -56,6 +61,7 @@ class Evidence(NamedTuple):
     runs: xr.Dataset  # our comparison of the published algorithms
     ours: xr.Dataset  # its metrics by scenario and algorithm, as in Table 1
     checks: xr.Dataset  # runs with the paper's check of cables, and with the sound one
+    ablation: xr.Dataset  # SDBO with each of its improvements left out, on random scenes
 
     @classmethod
     def of(cls, artefacts: Artefacts) -> "Evidence":
@@ -66,7 +72,8 @@ class Evidence(NamedTuple):
         # One time is measured for all scenarios; every one of them has its share.
         ours["runtime"] = ours["runtime"].broadcast_like(ours["min"])
         checks = artefacts.dataset("cable-check").sel(algorithm=[*PUBLISHED])
-        return cls(paper.table1(), paper.tables_2_3(), runs, ours, checks)
+        ablation = artefacts.dataset("ablation_random")
+        return cls(paper.table1(), paper.tables_2_3(), runs, ours, checks, ablation)
 
 
 def numbers(names: Iterable[str]) -> str:
@@ -79,6 +86,19 @@ def within(names: Sequence[str]) -> str:
     if not names:
         return "in no scenario"
     return f"in scenario{'s' * (len(names) > 1)} {numbers(names)}"
+
+
+def told(numbers: Mapping[str, float], decimals: int = 1) -> str:
+    """Numbers by algorithm: "PSO 1.5, GA 2.0"."""
+    return ", ".join(f"{name.upper()} {value:.{decimals}f}" for name, value in numbers.items())
+
+
+def compared(one: np.ndarray, other: np.ndarray) -> tuple[str, bool]:
+    """How runs of one algorithm compare with those of another: in words, and whether p < 0.05."""
+    p = mann_whitney(one, other)
+    said = probability(p)
+    size = two_decimals(vargha_delaney(one, other))
+    return f"A₁₂ = {size}, p {said if '<' in said else '= ' + said}", p < 0.05
 
 
 def change(ratio: float, decimals: int = 1) -> str:
