@@ -33,7 +33,7 @@ DIFFERS = (
     "cost?"
 )
 MADE = READ = ("spaces",)
-MINUTES = 3.0
+MINUTES = 4.0
 
 
 class Settings(NamedTuple):
