@@ -107,6 +107,8 @@ def draw(asked: argparse.Namespace) -> None:
     from jaxsusp.studies.bbob.published import beside, published, solved
 
     found = results.load_all(asked.output)
+    results.require_one_course(found)
+    budget = found[0].course.budget // found[0].course.dim if found else BUDGET
     if found:
         tables = [summary.running_times(found), summary.distributions(found)]
     else:
@@ -119,7 +121,6 @@ def draw(asked: argparse.Namespace) -> None:
     if not known:
         print("cocopp is not installed: there are no published running times beside ours")
     asked.output.mkdir(parents=True, exist_ok=True)
-    budget = asked.budget
     parts = [solved(times, known, budget)]
     parts += [beside(times, known, dim) for dim in sorted({*times["dimension"]})]
     write_text(asked.output / "tables.md", "\n\n".join(map(to_markdown, parts)) + "\n")

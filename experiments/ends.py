@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 import jaxsusp as js
+from jaxsusp._files import write_text
 from jaxsusp.comparison import dataset
 from jaxsusp.comparison.compare import Event
 
@@ -47,11 +48,11 @@ def telling(told: Callable[[str], None], what: str) -> Callable[[Event], None]:
 def random_scenes(count: int, folder: Path, told: Callable[[str], None]) -> list[js.Scenario]:
     """The first random scenes; those that are drawn are kept in a folder, each at once."""
     folder.mkdir(parents=True, exist_ok=True)
-    known = {path.stem: js.load_scenario(path) for path in folder.glob("*.toml")}
+    known = {path.stem: js.load_scenario(path) for path in folder.glob("[!.]*.toml")}
     for number in range(count):
         scene = js.random_scenarios(number + 1, known=known)[-1]
         if scene.name not in known:
             told(f"  drawn: {scene.name}")
             known[scene.name] = scene
-            (folder / f"{scene.name}.toml").write_text(scene.to_toml(), encoding="utf-8")
+            write_text(folder / f"{scene.name}.toml", scene.to_toml())
     return [*js.random_scenarios(count, known=known)]

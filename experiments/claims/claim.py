@@ -76,6 +76,21 @@ class Evidence(NamedTuple):
         return cls(paper.table1(), paper.tables_2_3(), runs, ours, checks, ablation)
 
 
+def leads(table: xr.Dataset, algorithm: str = "sdbo") -> xr.Dataset:
+    """Where an algorithm is better than every other, per metric (scenario); no tie, no NaN, no inf.
+
+    Smaller is better, except for the curvature radius.
+    """
+
+    def ahead(values: xr.DataArray) -> xr.DataArray:
+        cost = -values if values.name == "curvature_radius" else values
+        own = cost.sel(algorithm=algorithm, drop=True)
+        others = cost.drop_sel(algorithm=algorithm).min("algorithm", skipna=True)
+        return np.isfinite(own) & (own < others)
+
+    return table[list(paper.UNITS)].map(ahead)
+
+
 def numbers(names: Iterable[str]) -> str:
     """Their numbers: "1, 3" of scenario-1 and scenario-3."""
     return ", ".join(str(name).rpartition("-")[2] for name in names)

@@ -33,7 +33,7 @@ def settled(runs: xr.Dataset) -> dict[str, int]:
     """The iteration from which on the average fitness stays within 1 % of its last value."""
     mean = runs["history"].mean("run")
     last = mean.isel(iteration=-1)
-    away = mean > (1 + THERE) * last
+    away = ~(mean <= (1 + THERE) * last) | ~np.isfinite(last)  # what ends nowhere never settles
     return {str(name): int(away.sel(algorithm=name).sum()) + 1 for name in runs["algorithm"].values}
 
 

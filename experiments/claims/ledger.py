@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from experiments.artefacts import Artefacts
-from experiments.claims import convergence, ends, motion, tables
+from experiments.claims import convergence, ends, motion, superiority, tables
 from experiments.claims.claim import VERDICTS, Claim, Evidence
 from experiments.contents import Page
 
@@ -25,8 +25,8 @@ def claims(artefacts: Artefacts) -> list[Claim]:
     """All of them, in the paper's order."""
     evidence = Evidence.of(artefacts)
     parts = (
-        tables.claims, motion.claims, convergence.claims, tables.effect, ends.claims,
-        motion.discussion, tables.conclusions,
+        tables.claims, motion.claims, convergence.claims, superiority.effect, ends.claims,
+        motion.discussion, superiority.conclusions,
     )  # fmt: skip
     return [claim for part in parts for claim in part(evidence)]
 

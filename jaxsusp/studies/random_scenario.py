@@ -85,7 +85,7 @@ def random_scenario(
     if robots is not None:
         require_count("robots", robots, least=3, most=MOST_ROBOTS)
     require(
-        passage is None or 0 <= passage[0] < passage[1],
+        passage is None or _is_range(passage),
         f"passage = {passage}: give a least width of at least 0 m and a greatest above it",
     )
     kind = drawn_kind(np.random.default_rng([seed, obstacles]), robots) if rig == "any" else None
@@ -149,6 +149,15 @@ def _name(
     name = f"{'random' if rig == RIGS[0] else rig}-{seed}-{obstacles}"
     name += "" if robots is None else f"-robots-{robots}"
     return name if passage is None else f"{name}-passage-{passage[0]:g}-{passage[1]:g}"
+
+
+def _is_range(passage: object) -> bool:
+    """Whether it is two numbers, the first at least 0 and the second greater."""
+    if not isinstance(passage, tuple | list) or len(passage) != 2:
+        return False
+    if any(isinstance(each, bool) or not isinstance(each, int | float) for each in passage):
+        return False
+    return bool(0 <= passage[0] < passage[1])
 
 
 def _as_wide(scenario: Scenario, passage: tuple[float, float]) -> bool:

@@ -4,12 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
 import jaxsusp as js
 from experiments.claims import ends, motion, tables
-from experiments.claims.claim import VERDICTS, Claim, Evidence, change, within
+from experiments.claims.claim import VERDICTS, Claim, Evidence, change, leads, within
 from jaxsusp.report.comparison import paper
 from jaxsusp.scenario.models import Box, Cylinder
 
@@ -87,3 +88,16 @@ def test_the_evidence_holds_the_published_four_with_one_row_each():
     evidence = Evidence.of(Artefacts())
     assert evidence.ours["runtime"].dims == evidence.table1["runtime"].dims
     assert evidence.runs["algorithm"].values.tolist() == ["pso", "ga", "dbo", "sdbo"]
+
+
+@pytest.mark.parametrize("others", [1.0, np.nan, np.inf])
+@pytest.mark.parametrize("own", [1.0, np.nan, np.inf])
+def test_nobody_leads_by_a_tie_or_by_no_number(own, others):
+    values = xr.DataArray(
+        [[own, others, 3.0], [2.0, 3.0, 4.0]],
+        {"scenario": ["a", "b"], "algorithm": ["sdbo", "dbo", "pso"]},
+    )
+    found = leads(xr.Dataset(dict.fromkeys(paper.UNITS, values)))
+    costs = [name for name in paper.UNITS if name != "curvature_radius"]
+    assert all(found[name].values.tolist() == [own == 1 and others != 1, True] for name in costs)
+    assert not found["curvature_radius"].any()

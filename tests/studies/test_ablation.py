@@ -1,5 +1,6 @@
 """Variants of SDBO: none of its improvements is DBO, all are SDBO, and one program serves all."""
 
+import inspect
 from dataclasses import replace
 
 import jax
@@ -80,3 +81,10 @@ def test_variants_count_in_binary():
     assert all(VARIANTS[-1])
     assert VARIANTS[1] == Switches(False, False, False, True)
     assert VARIANTS[8] == Switches(True, False, False, False)
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("bad", ["no", None, 2, np.array([False])])
+def test_an_improvement_is_made_or_not(bad):
+    with pytest.raises(js.InputError, match="pull = "):
+        inspect.unwrap(js.sdbo)(pull=bad)  # without the tests' own check of annotations

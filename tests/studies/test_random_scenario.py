@@ -8,7 +8,7 @@ import jaxsusp as js
 from jaxsusp.freespace.cells.passage import passage_width
 from jaxsusp.scenario.world import build_world
 from jaxsusp.studies import random_scenario
-from jaxsusp.studies.random_scenario import blocked, solvable
+from jaxsusp.studies.random_scenario import _is_range, blocked, solvable
 
 
 @jax.jit
@@ -125,3 +125,10 @@ def test_bad_numbers_are_refused(arguments, message):
 def test_bad_counts_are_refused(count):
     with pytest.raises(js.InputError, match=f"count = {count}: give a whole number from 0"):
         js.random_scenarios(count)
+
+
+@pytest.mark.fast
+def test_a_range_of_passage_is_two_numbers_that_rise():
+    wrong = [0.3, "ab", (None, 1), ([0.1], 0.2), (0.2,), (0.1, 0.2, 0.3), (False, True)]
+    assert not any(map(_is_range, [*wrong, (0.2, 0.1), (float("nan"), 1.0), {0.1: 1, 0.2: 2}]))
+    assert all(map(_is_range, [(0, 1), (0.1, 0.2), [0.1, 5]]))

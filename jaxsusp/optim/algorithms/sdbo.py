@@ -17,6 +17,7 @@ import jax.numpy as jnp
 from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float
+from jaxsusp.errors import require
 from jaxsusp.mechanics.stability import WINDOW
 from jaxsusp.optim.algorithms.dbo import (
     DboCoefficients,
@@ -95,6 +96,8 @@ def sdbo(
         problem, which has no S_c, the move is left out.
     """
     made = Improvements(opposition, sine_cosine, pull, stability)
+    for switch, on in made._asdict().items():
+        require(isinstance(on, bool), f"{switch} = {on!r}: give True or False")
     moves = DboCoefficients(task_frame=frame_coefficient(frame))
     chosen = chosen_of("sdbo", SdboCoefficients, {"dbo": moves, **coefficients})
     name = framed_name("sdbo", frame) + made.left_out

@@ -1,6 +1,7 @@
 """What is kept of all runs of one function: when targets were reached. One small file each."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -86,6 +87,26 @@ def load_all(folder: Path) -> list[Result]:
     order = {name: place for place, name in enumerate(ALGORITHMS)}
     found = [load(path) for path in (folder / "runs").glob("*.npz")]
     return sorted(found, key=lambda each: (each.course.dim, order[each.algorithm], each.function))
+
+
+def require_one_course(found: Sequence[Result]) -> None:
+    """Refuse results that do not belong into one table.
+
+    Raises:
+        InputError: two differ in the budget per dimension, the instances, population or seed.
+    """
+    courses = [
+        each.course._replace(dim=1, budget=each.course.budget // each.course.dim) for each in found
+    ]
+    for course in courses:
+        for name in course._fields:
+            one, other = getattr(courses[0], name), getattr(course, name)
+            told = "budget per dimension" if name == "budget" else name
+            require(
+                one == other,
+                f"{told}: some runs were made with {one}, some with {other}; give each a folder "
+                "of its own",
+            )
 
 
 def require_same(path: Path, course: Course) -> None:
