@@ -95,9 +95,10 @@ def sdbo(
         "sdbo-without-pull". Its info tells how often the stability move acted; on a generic
         problem, which has no S_c, the move is left out.
     """
-    made = Improvements(opposition, sine_cosine, pull, stability)
-    for switch, on in made._asdict().items():
-        require(isinstance(on, bool), f"{switch} = {on!r}: give True or False")
+    switches = (opposition, sine_cosine, pull, stability)
+    for name, on in zip(Improvements.__dataclass_fields__, switches, strict=True):
+        require(isinstance(on, bool), f"{name} = {on!r}: give True or False")
+    made = Improvements(*switches)
     moves = DboCoefficients(task_frame=frame_coefficient(frame))
     chosen = chosen_of("sdbo", SdboCoefficients, {"dbo": moves, **coefficients})
     name = framed_name("sdbo", frame) + made.left_out
