@@ -35,10 +35,10 @@ class Settings(NamedTuple):
     """Sixteen variants on all scenes, twice: as many iterations, as many evaluations."""
 
     scenarios: tuple[str, ...] = js.scenarios()
-    runs: int = 9  # on each of them
+    runs: int = 6  # on each of them
     random: int = 50  # random scenes beside them
-    runs_of_random: int = 3
-    iterations: int = 500
+    runs_of_random: int = 2
+    iterations: int = 250
     population: int = 30
     seed: int = 0
 

@@ -52,20 +52,18 @@ class Settings(NamedTuple):
     """One sweep after the other about the level that all of them share, and the comparison."""
 
     base: Level = Level()
-    obstacles: tuple[int, ...] = (6, 25, 50, 100)
-    robots: tuple[int, ...] = (4, 5, 6, 8)
+    obstacles: tuple[int, ...] = (6, 25, 50)
+    robots: tuple[int, ...] = (5, 8)
     passages: tuple[tuple[float, float], ...] = ((0.1, 0.2), (0.4, 0.8))
     scenes: int = 4  # of a level, on which algorithms are compared …
     planned: int = 1  # … and of these so many are planned as well, with the base's robots …
     planned_up_to: int = 25  # … and up to so many obstacles: each shape compiles programs anew
-    fewer: tuple[tuple[int, int], ...] = (
-        (100, 2),
-    )  # (obstacles, scenes) where scenes take long to draw
-    algorithms: tuple[str, ...] = ("pso", "sdbo")
+    fewer: tuple[tuple[int, int], ...] = ()  # (obstacles, scenes) where scenes take long to draw
+    algorithms: tuple[str, ...] = ("pso",)
     runs: int = 10
-    iterations: int = 300
+    iterations: int = 200
     population: int = 30
-    processes: int = 2
+    processes: int = 1
 
     def levels(self) -> list[Level]:
         """All of them, that of the base first."""
