@@ -10,7 +10,8 @@ from experiments.artefacts import Artefacts
 from experiments.contents import NAMES, Module, Page, module
 from jaxsusp._files import atomic_path, write_text
 from jaxsusp.report.drawing.style import save
-from jaxsusp.report.render import Column, to_csv, to_latex, to_markdown
+from jaxsusp.report.latex import to_latex
+from jaxsusp.report.render import Column, to_csv, to_markdown
 
 SITE = Path(__file__).parents[1] / "docs" / "results"
 """Where pages are kept, with their pictures: what people read on the site."""
@@ -82,7 +83,7 @@ def write(name: str, artefacts: Artefacts, site: Path = SITE, more: Path = MORE)
     for each, frame in page.tables.items():
         files += [more / f"{each}.csv", more / f"{each}.tex", more / f"{each}.md"]
         to_csv(frame, files[-3])
-        write_text(files[-2], to_latex(frame))
+        write_text(files[-2], to_latex(frame, f"tab:{each}"))
         write_text(files[-1], to_markdown(frame))
     return files
 
