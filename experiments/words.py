@@ -45,3 +45,8 @@ def winners(names: Sequence[str], what: str, order: Sequence[str]) -> str:
     first, *others = sorted(set(names), key=lambda name: (-names.count(name), order.index(name)))
     told = [f"{first.upper()} has {what} in {names.count(first)}"]
     return ", ".join([*told, *(f"{name.upper()} in {names.count(name)}" for name in others)])
+
+
+def bulleted(answer: str, *parts: str) -> str:
+    """A sentence that answers, and a Markdown list of what it rests on."""
+    return "\n".join([answer, "", *(f"- {part}" for part in parts if part)])

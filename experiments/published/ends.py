@@ -148,8 +148,8 @@ def lengths_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
     wide.attrs["caption"] = (
         f"The best of {runs['runs']} runs of {runs['iterations']} iterations with "
         f"{runs['population']} candidates; minimised is f₃ + f₄ with κ per fault, for the same "
-        f"trajectory. Bold: the least, and what is less than {100 * TIE:g} % above it. Limits kept: "
-        "with the "
+        f"trajectory. Bold: the least, and what is less than {100 * TIE:g} % above it. "
+        "Limits kept: with the "
         f"{ARM_MARGIN:g} m that placing keeps arms off everything beyond what is required."
     )
     return wide

@@ -15,7 +15,7 @@ from jaxsusp.scenario.toml import dumps
 TITLE = "Free space in the plane"
 PRINTED = "Fig. 5"
 DIFFERS = (
-    "The obstacles of our scenario 1 as walls and pillars that cannot be passed above, a load that "
+    "Not scenario 1 itself, but its obstacles with a start and a goal of their own; they stand as walls and pillars that cannot be passed above, a load that "
     "keeps its height, and no cables. Colours are as the paper describes them; what the load's "
     "radius and clearance add to obstacles is grey."
 )
