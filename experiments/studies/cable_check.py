@@ -347,8 +347,8 @@ def findings(ds: xr.Dataset) -> str:
         text = (
             f"With waypoints kept in {WHERE[search]}, the check at 40 samples calls {clear} of "
             f"{deep.size} runs clear; {cutting} of these ({100 * cutting / max(clear, 1):.0f} %, "
-            f"95 % interval {100 * low:.0f} to {100 * high:.0f} % over scenarios) pass load or cable through an "
-            "obstacle between two samples"
+            f"95 % interval {100 * low:.0f} to {100 * high:.0f} % over scenarios) pass load or "
+            "cable through an obstacle between two samples"
         )
         if cutting:
             cables = int(((ds["cable_depth"].sel(at) > TOUCH) & ds["clear"].sel(at)).sum())

@@ -161,7 +161,7 @@ def cost_figure(frame: pd.DataFrame, names: list[str]) -> Figure:
         )
     panels[2].set_ylabel("time (s)", fontsize=8)
     panels[2].legend(
-        frameon=False, fontsize=7.5, loc="lower left", bbox_to_anchor=(0, 1), ncols=2,
+        frameon=False, fontsize=7.5, loc="lower right", bbox_to_anchor=(1.03, 1), ncols=2,
         borderpad=0, handlelength=1.6, columnspacing=1,
     )  # fmt: skip
     if len(part):

@@ -211,8 +211,8 @@ def findings(tasks: xr.Dataset, changes: Changes, functions: xr.Dataset) -> str:
     said.append(f"Who has the least mean error of functions: {first}.")
     answer = (
         f"In the classical functions {_losing(owing['moved'])} where the optimum leaves the "
-        f"origin, and {_losing(owing['shifted'])} where it leaves the middle of the bounds as well; "
-        "no task is solved surely worse where it lies elsewhere"
+        f"origin, and {_losing(owing['shifted'])} where it leaves the middle of the bounds as "
+        "well; no task is solved surely worse where it lies elsewhere"
         + _worse([name for name in names if changes[name, farthest].sure > 0])
     )
     return bulleted(answer, *said)

@@ -7,6 +7,7 @@ import pytest
 
 from experiments import contents, pages
 from experiments.artefacts import Artefacts
+from jaxsusp.errors import InputError
 from jaxsusp.report.latex import to_latex
 from jaxsusp.report.render import shown_columns
 
@@ -54,6 +55,21 @@ def test_names_are_modules_that_say_what_they_are():
         assert found.DIFFERS
         assert found.__doc__
         assert bool(found.MINUTES) == hasattr(found, "make") == bool(found.MADE)
+
+
+def test_what_is_missing_names_the_page_that_makes_it(tmp_path):
+    with pytest.raises(InputError, match=r"make published\.ends` \(about 3 min\) makes it"):
+        Artefacts(tmp_path).frame("ends")
+    assert contents.maker("comparison") == "published.comparison"
+    motion = pages.commands("published.motion", contents.module("published.motion"))
+    assert "make published.comparison" in motion
+
+
+def test_a_page_with_less_than_before_says_so(tmp_path):
+    page = tmp_path / "page.md"
+    assert pages.shown(page) == []
+    page.write_text("# Title\n\n## A table\n\n![A [b] (c).](images/some.png)\n", encoding="utf-8")
+    assert pages.shown(page) == ["A table", "images/some.png"]
 
 
 def test_what_is_read_is_made_before():
