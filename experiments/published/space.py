@@ -55,8 +55,9 @@ def draw(artefacts: Artefacts) -> Page:
     figure = plane(scenario, space, way, HEIGHT)
     figure.set_label(
         "Obstacles (black) and the margin that the load's radius and clearance add to them (grey), "
-        "convex polygons of the free space (ochre; those on the route filled), the largest ellipse in each (blue), start and goal "
-        "(red), intermediate targets (green), and the trajectory (magenta)."
+        "convex polygons of the free space (ochre; those on the route filled), the largest ellipse "
+        "in each (blue), start and goal (red), intermediate targets (green), and the "
+        "trajectory (magenta)."
     )
     return Page({"space": figure}, findings=findings(space, way))
 
