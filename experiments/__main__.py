@@ -6,7 +6,7 @@ from pathlib import Path
 
 from experiments import pages
 from experiments.artefacts import Artefacts
-from experiments.contents import NAMES, Work, module
+from experiments.contents import NAMES, Work, making, module
 from jaxsusp.errors import InputError
 from jaxsusp.optim import devices
 
@@ -21,6 +21,12 @@ def told(line: str) -> None:
 def make(names, resume: bool) -> None:
     """Run what needs runs, one after the other; what is finished stays when one is interrupted."""
     artefacts = Artefacts()
+    for name in names if len(names) < len(NAMES) else ():
+        if not module(name).MINUTES:
+            source = making(module(name).READ)
+            told(
+                f"{name}: nothing to make" + (f"; its data are made by {source}" if source else "")
+            )
     todo = [name for name in names if module(name).MINUTES]
     if resume:
         todo = [name for name in todo if artefacts.missing(module(name).MADE)]
@@ -42,9 +48,21 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog="python -m experiments",
         description="The paper's tables and figures from our own results, and studies.",
+        epilog="Example: python -m experiments make published.comparison",
     )
-    parser.add_argument("do", nargs="?", choices=["list", "make", "draw"], default="list")
-    parser.add_argument("names", nargs="*", metavar="NAME", help="all where none is given")
+    parser.add_argument(
+        "do",
+        nargs="?",
+        choices=["list", "make", "draw"],
+        default="list",
+        help="list: what there is, with minutes (the default); make: run what gives a page its "
+        "data, kept in experiments/data; draw: write pages to docs/results and PDF, CSV and LaTeX "
+        "to results/figures, from data that are kept",
+    )
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME",
+        help="of a page as `list` prints it, such as studies.ablation; all where none is given",
+    )  # fmt: skip
     parser.add_argument(
         "--resume",
         action="store_true",

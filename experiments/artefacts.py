@@ -73,5 +73,8 @@ class Artefacts:
     def _there(self, file: str) -> Path:
         path = self.folder / file
         if not path.exists():
-            raise InputError(f"{path}: is not there; run `python -m experiments make` first")
+            from experiments.contents import making  # which imports this module
+
+            command = making([path.stem]) or "`python -m experiments make` (all of it)"
+            raise InputError(f"{path}: is not there; {command} makes it")
         return path

@@ -1,7 +1,7 @@
 """Which pages there are, in the order in which they are read."""
 
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol, cast
 
@@ -42,7 +42,7 @@ class Page(NamedTuple):
 
     figures: Mapping[str, Figure] = _NONE  # by file name; captions in `Figure.get_label`
     tables: Mapping[str, pd.DataFrame] = _NONE  # by file name; see report.render
-    findings: str = ""  # one paragraph of Markdown; every number in it comes from the data
+    findings: str = ""  # Markdown; every number in it comes from the data
     body: str = ""  # Markdown instead of the tables, where rows of a table are too long to read
 
 
@@ -63,6 +63,20 @@ class Module(Protocol):
     MINIATURE: Any
     make: Callable[[Any, "Work"], None]
     draw: Callable[[Artefacts], Page]
+
+
+def maker(artefact: str) -> str:
+    """The page whose `make` keeps an artefact; "" where none does."""
+    return next((name for name in NAMES if artefact in module(name).MADE), "")
+
+
+def making(artefacts: Sequence[str]) -> str:
+    """Commands that make some data, with their minutes."""
+    names = dict.fromkeys(filter(None, map(maker, artefacts)))
+    return " and ".join(
+        f"`python -m experiments make {name}` (about {module(name).MINUTES:g} min)"
+        for name in names
+    )
 
 
 class Work(NamedTuple):

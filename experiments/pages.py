@@ -1,5 +1,6 @@
 """Pages of the site, pictures and tables of a page, all from data that is kept."""
 
+import re
 import time
 from pathlib import Path
 
@@ -7,10 +8,11 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from experiments.artefacts import Artefacts
-from experiments.contents import NAMES, Module, Page, module
+from experiments.contents import NAMES, Module, Page, making, module
 from jaxsusp._files import atomic_path, write_text
 from jaxsusp.report.drawing.style import save
-from jaxsusp.report.render import Column, to_csv, to_latex, to_markdown
+from jaxsusp.report.latex import to_latex
+from jaxsusp.report.render import Column, to_csv, to_markdown
 
 SITE = Path(__file__).parents[1] / "docs" / "results"
 """Where pages are kept, with their pictures: what people read on the site."""
@@ -52,6 +54,8 @@ def commands(name: str, found: Module) -> str:
             f"Made by `python -m experiments make {name}` in about {found.MINUTES:g} minutes on "
             "two cores."
         )
+    elif source := making(found.READ):
+        lines.append(f"Its data are made by {source} on two cores.")
     lines.append(f"Drawn by `python -m experiments draw {name}`.")
     return " ".join(lines)
 
@@ -82,7 +86,7 @@ def write(name: str, artefacts: Artefacts, site: Path = SITE, more: Path = MORE)
     for each, frame in page.tables.items():
         files += [more / f"{each}.csv", more / f"{each}.tex", more / f"{each}.md"]
         to_csv(frame, files[-3])
-        write_text(files[-2], to_latex(frame))
+        write_text(files[-2], to_latex(frame, f"tab:{each}"))
         write_text(files[-1], to_markdown(frame))
     return files
 
@@ -128,7 +132,16 @@ by the tests.
 def drawn(names, artefacts: Artefacts, told) -> None:
     """Write pages and say how long each took."""
     for name in names:
-        clock = time.perf_counter()
+        clock, before = time.perf_counter(), shown(SITE / f"{stem(name)}.md")
         files = write(name, artefacts)
         told(f"{name}: {len(files)} files, {time.perf_counter() - clock:.1f} s")
+        if gone := [each for each in before if each not in shown(files[0])]:
+            told(f"  which leaves out what the page had before: {', '.join(gone)}")
     write_index()
+    told(f"pages and their pictures are in {SITE}; PDF, CSV, LaTeX and Markdown are in {MORE}")
+
+
+def shown(page: Path) -> list[str]:
+    """Headings of tables and files of pictures on a page; none where it is not there."""
+    text = page.read_text(encoding="utf-8") if page.exists() else ""
+    return re.findall(r"^(?:## |!\[.*\]\()(.*?)\)?$", text, re.MULTILINE)

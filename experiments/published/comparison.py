@@ -7,13 +7,14 @@ import xarray as xr
 import jaxsusp as js
 from experiments.artefacts import Artefacts
 from experiments.contents import Page, Work
+from experiments.words import listed
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.across import LEVEL, across_table, diagram
 from jaxsusp.report.comparison.printed import PAGE
 from jaxsusp.report.comparison.ranks import rank_chart, ranks
 from jaxsusp.report.comparison.runningtime import running_time_table
-from jaxsusp.report.comparison.statistics import pairwise
+from jaxsusp.report.comparison.statistics import friedman, pairwise
 from jaxsusp.report.comparison.tables import (
     comparison_table,
     has_ratios,
@@ -21,6 +22,7 @@ from jaxsusp.report.comparison.tables import (
     ratio_table,
     summary,
 )
+from jaxsusp.report.render import probability, significant
 
 TITLE = "Comparison of the algorithms"
 PRINTED = "Table 1"
@@ -117,14 +119,21 @@ def _tested(four: xr.Dataset) -> str:
         return ""
     apart: Any = frame[frame["p_nemenyi"] < LEVEL]
     pairs = [
-        f"{better.upper()} better than {worse.upper()}"
+        f"{better.upper()} from {worse.upper()}, which is worse"
         for row in apart.itertuples()
         for better, worse in [(row.a, row.b) if row.rank_a < row.rank_b else (row.b, row.a)]
     ]
+    test = friedman(four).iloc[0]
+    p = probability(test["p"])
+    told = (
+        f"tells {listed(pairs)}, and no other two apart" if pairs else "tells no two of them apart"
+    )
     return (
-        f"By Nemenyi's test at {LEVEL:g}, {'; '.join(pairs)}; no other two differ."
-        if pairs
-        else f"By Nemenyi's test at {LEVEL:g} no two of them differ."
+        "Of ranks by median fitness (those above are by average), Friedman's test gives "
+        f"χ² = {significant(test['statistic'], 3)}, "
+        f"{f'p {p}' if p.startswith('<') else f'p = {p}'}; Nemenyi's at {LEVEL:g} "
+        f"{told}: a description, not a proof, for scenarios share "
+        "obstacles."
     )
 
 

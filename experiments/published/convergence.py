@@ -31,8 +31,8 @@ def draw(artefacts: Artefacts) -> Page:
         "as the paper has it and against fitness evaluations."
     )
     least.set_label(
-        f"Fig. 12: {SCENARIO}, (a) every run and the least of them; (b) least, average and "
-        "greatest of 20 runs as Table 1 prints them for the paper's own scenario 1."
+        f"Fig. 12: {SCENARIO}, (a) every run and the least of them; (b) least, average (mark) "
+        "and greatest of 20 runs as Table 1 prints them for the paper's own scenario 1."
     )
     return Page({"convergence": curves, "minima": least}, findings=findings(ds))
 

@@ -10,6 +10,7 @@ import pandas as pd
 import jaxsusp as js
 from experiments.artefacts import Artefacts
 from experiments.contents import Page, Work
+from experiments.words import counted, winners
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.best import best_plan
@@ -43,6 +44,8 @@ FULL = Settings()
 MINIATURE = Settings(("scenario-1",), ("dbo",), 2, 20)
 GIVEN = "given"
 KEYS = ["scenario", "algorithm"]
+TIE = 0.001
+"""Share of f₃ + f₄ below which two placements are as good as each other."""
 
 
 def make(settings: Settings, work: Work) -> None:
@@ -134,20 +137,27 @@ def lengths_table(frame: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
         "fine": Column("limits kept"),
     }
     wide.attrs["bold"] = frozenset(
-        (int(part["total"].idxmin()), "total")
+        (int(row), "total")
         for name, part in wide[(wide["algorithm"] != GIVEN) & (wide["fine"] == "yes")].groupby(
             "scenario"
         )
         if name != "printed"
+        for row in part.index[_least(part["total"])]
     )
     runs = frame.attrs["settings"]
     wide.attrs["caption"] = (
         f"The best of {runs['runs']} runs of {runs['iterations']} iterations with "
         f"{runs['population']} candidates; minimised is f₃ + f₄ with κ per fault, for the same "
-        "trajectory. Limits kept: with the "
+        f"trajectory. Bold: the least, and what is less than {100 * TIE:g} % above it. "
+        "Limits kept: with the "
         f"{ARM_MARGIN:g} m that placing keeps arms off everything beyond what is required."
     )
     return wide
+
+
+def _least(total: Any) -> Any:
+    """Which of some sums are the least of them, or as good."""
+    return total <= total.min() * (1 + TIE)
 
 
 def _by_robot(both: Any, value: str) -> Any:
@@ -174,11 +184,17 @@ def findings(frame: Any, printed: Any) -> str:
     scenarios = list(dict.fromkeys(ours["scenario"]))
     fine = ours[ours["fine"] == "yes"]
     best = [
-        part.loc[part["total"].idxmin(), "algorithm"]
+        name
         for _, part in fine.groupby("scenario", sort=False)
+        for name in part.loc[_least(part["total"]), "algorithm"]
     ]
-    wins = ", ".join(
-        f"{name.upper()} in {best.count(name)}" for name in sorted(set(best), key=best.count)[::-1]
+    order = ours["algorithm"].unique().tolist()
+    text = (
+        f"{winners(best, 'the least f₃ + f₄ with all limits kept', order)} of "
+        f"{counted(len(scenarios), 'scenario')}, where what is less than {100 * TIE:g} % above the "
+        "least counts as the least, too"
+        if best
+        else "Nobody keeps all limits"
     )
     told = wide[wide["scenario"] == "printed"].set_index("algorithm")["sum"]
     low = printed.groupby("algorithm", sort=False)["z"].first()
@@ -186,11 +202,11 @@ def findings(frame: Any, printed: Any) -> str:
         part["total"].max() / part["total"].min() - 1
         for _, part in fine.groupby("scenario", sort=False)
     ]
-    text = (
-        f"The least f₃ + f₄ with all limits kept has {wins or 'nobody'} of {len(scenarios)} "
-        f"scenario{'s' * (len(scenarios) > 1)}; the best and the worst of them are at most "
+    second = "" if low.idxmin() == told.idxmin() else f"{low.idxmin().upper()} "
+    text += (
+        "; the best and the worst of them are at most "
         f"{percent(max(spread, default=np.nan))} apart. As printed, {told.idxmin().upper()} has "
-        f"the shortest cables ({significant(told.min())} m in all) and {low.idxmin().upper()} the "
+        f"the shortest cables ({significant(told.min())} m in all) and {second}the "
         f"lowest ends ({low.min():g} m); but {int(out_of_reach(printed).sum())} of the "
         f"{len(printed)} printed ends are out of reach. "
     )

@@ -15,8 +15,9 @@ from jaxsusp.scenario.toml import dumps
 TITLE = "Free space in the plane"
 PRINTED = "Fig. 5"
 DIFFERS = (
-    "The obstacles of our scenario 1 as walls and pillars that cannot be passed above, a load that "
-    "keeps its height, and no cables. Colours are as the paper describes them; what the load's "
+    "Not our scenario 1 itself: its obstacles are walls and pillars that cannot be passed above, "
+    "start and goal are other ones; there are no cables, and the load "
+    "keeps its height. Colours are as the paper describes them; what the load's "
     "radius and clearance add to obstacles is grey."
 )
 MADE = READ = ()
@@ -53,9 +54,10 @@ def draw(artefacts: Artefacts) -> Page:
     way = next(iter(rounded_ways(space, 40)), np.empty((0, 3)))
     figure = plane(scenario, space, way, HEIGHT)
     figure.set_label(
-        "Obstacles (black) and what the load's size adds (grey), convex polygons of the free space "
-        "(ochre; those on the route filled), the largest ellipse in each (blue), start and goal "
-        "(red), intermediate targets (green), and the trajectory (magenta)."
+        "Obstacles (black) and the margin that the load's radius and clearance add to them (grey), "
+        "convex polygons of the free space (ochre; those on the route filled), the largest ellipse "
+        "in each (blue), start and goal (red), intermediate targets (green), and the "
+        "trajectory (magenta)."
     )
     return Page({"space": figure}, findings=findings(space, way))
 

@@ -2,6 +2,7 @@
 
 from experiments.artefacts import Artefacts
 from experiments.contents import Page
+from experiments.words import winners
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.best import scenario_of
 from jaxsusp.report.comparison.gaps import clear_runs, runs_made
@@ -48,9 +49,8 @@ def findings(ds) -> str:
         (best["terms"].sel(term="height"), "the least height"),
     ):
         names = ds["algorithm"].values[value.argmin("algorithm").values].tolist()
-        ranking = sorted(set(names), key=names.count, reverse=True)
-        wins = ", ".join(f"{name.upper()} in {names.count(name)}" for name in ranking)
-        told.append(f"{what} has {wins} of {count}")
+        order = ds["algorithm"].values.tolist()
+        told.append(f"{winners(names, what, order)} of {count}")
     clear = clear_runs(ds).isel(run=run)
     bad = int((~clear).sum())
     verdict = (

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from scipy.stats import rankdata
 
-from experiments.words import between, counted, listed, signed
+from experiments.words import between, bulleted, counted, listed, signed
 from jaxsusp.report.drawing.intervals import Estimates, Look, rows_of_intervals
 from jaxsusp.report.drawing.style import legend, panels, picture
 from jaxsusp.report.render import Column, plain, significant, two_decimals
@@ -213,15 +213,43 @@ def findings(found: pd.DataFrame, sets: dict[str, xr.Dataset]) -> str:
             rows = found[(found["scenes"] == name) & (found["budget"] == budget)]
             rows = rows.set_index("effect")
             said.append(f"{where}, at equal {budget}, {_whole(rows)}; {_each(rows)}.")
-            where = "There"
     base = [*sets.values()][-1]
     extra = _cost(base)
     dear = [
         f"{name} ({signed(100 * extra[name])} %)" for name in SHORT.values() if extra[name] > 0.05
     ]
-    return " ".join(
-        [*said, f"Evaluations at equal iterations are what {listed(dear)} cost.", _pairs(found)]
+    return bulleted(
+        _answer(found),
+        *said,
+        f"Evaluations at equal iterations are what {listed(dear)} cost.",
+        _pairs(found),
+        "Intervals are 95 % each, not corrected for their number.",
     )
+
+
+def _answer(found: pd.DataFrame) -> str:
+    """Which improvements help, and which harm, by rank on all scenes and in both budgets."""
+    verdicts = {
+        name: {_verdict(row) for _, row in found[found["effect"] == name].iterrows()}
+        for name in [*SHORT.values(), ALL]
+    }
+    words = {
+        "helps": "what surely helps is", "makes it worse": "what surely makes it worse is",
+        "open": "not told from nothing is",
+    }  # fmt: skip
+    whole = verdicts.pop(ALL)
+    first = {
+        "helps": "SDBO ranks before DBO", "makes it worse": "SDBO ranks behind DBO",
+        "open": "SDBO's rank cannot be told from DBO's",
+    }[whole.pop() if len(whole) == 1 else "open"]  # fmt: skip
+    told = [
+        f"{words[key]} {listed(names)}"
+        for key in words
+        if (names := [name for name, each in verdicts.items() if each == {key}])
+    ]
+    mixed = [name for name, each in verdicts.items() if len(each) > 1]
+    told += [f"what differs between them is {listed(mixed)}"] if mixed else []
+    return f"By rank, on all scenes and in both budgets, {first}; of its parts, {'; '.join(told)}."
 
 
 def _verdict(row: pd.Series) -> str:
@@ -241,16 +269,32 @@ def _whole(rows: pd.DataFrame) -> str:
         "makes it worse": "SDBO is worse than DBO",
         "open": "SDBO cannot be told from DBO by its rank",
     }[_verdict(row)]
-    return f"{verdict}: rank {rank}, fitness {change}, clear runs {clear}"
+    alone = _by_rank_alone(row)
+    return f"{verdict}{alone and f' {alone}'}: rank {rank}, fitness {change}, clear runs {clear}"
+
+
+def _by_rank_alone(row: pd.Series) -> str:
+    """Where only the rank tells, that it does."""
+    if _verdict(row) == "open":
+        return ""
+    unsure = {
+        what
+        for what, measure in (("fitness", "fitness"), ("clear runs", "clear"))
+        if row[f"{measure}_low"] <= 0 <= row[f"{measure}_high"]
+    }
+    told = [what for what in ("fitness", "clear runs") if what in unsure]
+    if not told:
+        return ""
+    return f"by rank; {listed(told)} {'leave' if 'clear runs' in told else 'leaves'} it open"
 
 
 def _each(rows: pd.DataFrame) -> str:
     groups: dict[str, list[str]] = {"helps": [], "makes it worse": [], "open": []}
     for name in SHORT.values():
         row = rows.loc[name]
-        groups[_verdict(row)].append(
-            f"{name} ({signed(row['rank'])} ranks, fitness {signed(row['fitness'])} %)"
-        )
+        changes = f"{signed(row['rank'])} ranks, fitness {signed(row['fitness'])} %"
+        alone = _by_rank_alone(row)
+        groups[_verdict(row)].append(f"{name} ({changes}{alone and f': {alone}'})")
     words = {
         "helps": ("what helps is", ""),
         "makes it worse": ("what makes it worse is", ""),

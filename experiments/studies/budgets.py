@@ -15,7 +15,7 @@ import jaxsusp as js
 from experiments.artefacts import Artefacts
 from experiments.contents import Page, Work
 from experiments.ends import ends
-from experiments.words import counted, listed
+from experiments.words import bulleted, counted, listed
 from jaxsusp._files import write_netcdf, write_text
 from jaxsusp.comparison import dataset, timebudget
 from jaxsusp.comparison.choices import BUDGETS
@@ -211,15 +211,11 @@ def findings(ds: xr.Dataset, frame: pd.DataFrame, ranks: dict[str, np.ndarray]) 
         budget: frame.loc[frame["budget"] == f"equal {budget}", "algorithm"].tolist()
         for budget in BUDGETS
     }
-    winners = {order[budget][0] for budget in BUDGETS}
     said = [
         f"At equal {budget} the order is {listed([*map(label, order[budget])])}."
         for budget in BUDGETS
     ]
-    if len(winners) == 1:
-        said.append(f"{label(winners.pop())} is first in all of them.")
-    else:
-        said.append(f"The first place changes between {listed(sorted(map(label, winners)))}.")
+    answer = _firsts({budget: _first(order[budget], names, ranks[budget]) for budget in BUDGETS})
     if "sdbo" in names:
         places = [order[budget].index("sdbo") + 1 for budget in BUDGETS]
         where = [
@@ -248,7 +244,31 @@ def findings(ds: xr.Dataset, frame: pd.DataFrame, ranks: dict[str, np.ndarray]) 
     )
     moved = [text for budget in others for text in moves(frame, ranks, names, base, budget)]
     said.append(f"Mean ranks that surely change: {listed(moved)}.")
-    return " ".join(said)
+    return bulleted(answer, *said)
+
+
+def _first(order: list[str], names: list[str], ranks: np.ndarray) -> tuple[str, ...]:
+    """The first, and those that are not surely behind it."""
+    before = order_of(ranks)[names.index(order[0])]
+    return tuple(label(name) for name in order if before[names.index(name)] <= 0)
+
+
+def _firsts(firsts: dict[str, tuple[str, ...]]) -> str:
+    """Who is first where, and whether that surely changes."""
+    told = []
+    for group in dict.fromkeys(firsts.values()):
+        where = listed([f"equal {budget}" for budget, each in firsts.items() if each == group])
+        verb = "is first" if len(group) == 1 else "are first and not told apart"
+        told.append(f"at {where} {listed(group)} {verb}")
+    text = "; ".join(told)
+    common = set.intersection(*map(set, firsts.values()))
+    if len(told) > 1:
+        text += (
+            "; so that the first place changes is not told"
+            if common
+            else "; so the first place changes"
+        )
+    return f"{text[0].upper()}{text[1:]}."
 
 
 def moves(frame: pd.DataFrame, ranks: dict[str, np.ndarray], names, base: str, budget: str):

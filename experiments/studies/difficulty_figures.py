@@ -5,7 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jaxsusp.report.comparison.logistic import fitted, resampled, share_interval
+from jaxsusp.report.comparison.logistic import fitted, resampled
 from jaxsusp.report.drawing.style import (
     INK,
     Style,
@@ -93,8 +93,8 @@ def clear_figure(frame: pd.DataFrame, names: list[str]) -> Figure:
     _legend(figure, look)
     figure.set_label(
         "Runs that end clear by the number of obstacles, of robots, and the width of the narrowest "
-        "passage; small marks are scenes, large ones levels with Wilson's 95 % interval of their "
-        "runs; on the right logistic curves with 95 % bands from drawing scenes anew."
+        "passage; small marks are scenes, large ones levels with the range of their "
+        "scenes; on the right logistic curves with 95 % bands from drawing scenes anew."
     )
     return figure
 
@@ -102,12 +102,11 @@ def clear_figure(frame: pd.DataFrame, names: list[str]) -> Figure:
 def _pooled(
     axes: Axes, part: pd.DataFrame, what: str, name: str, style: Style, shift, move
 ) -> None:
-    """Levels with Wilson's intervals."""
+    """Levels with the range of their scenes: runs on one scene are no independent draws."""
     sums = part.groupby(what)[[f"{name}_clear", f"{name}_runs"]].sum()
-    counts = [(int(clear), int(runs)) for clear, runs in sums.to_numpy()]
-    shares = np.array([100 * clear / runs for clear, runs in counts])
-    bounds = 100 * np.array([share_interval(*count) for count in counts]).T
-    errors = np.abs(bounds - shares)
+    shares = 100 * (sums[f"{name}_clear"] / sums[f"{name}_runs"]).to_numpy()
+    by_scene = (100 * part[f"{name}_clear"] / part[f"{name}_runs"]).groupby(part[what])
+    errors = np.abs(by_scene.agg(["min", "max"]).to_numpy().T - shares)
     axes.errorbar(
         sums.index.to_numpy() * shift + move, shares, yerr=errors, fmt=style.marker, ls=style.dash,
         ms=5, lw=1, color=style.color, elinewidth=1,
@@ -161,14 +160,19 @@ def cost_figure(frame: pd.DataFrame, names: list[str]) -> Figure:
             part["obstacles"], part[column], marker + dash, color=INK, ms=4, lw=1, label=said
         )
     panels[2].set_ylabel("time (s)", fontsize=8)
-    panels[2].legend(frameon=False, fontsize=7.5)
+    panels[2].legend(
+        frameon=False, fontsize=7.5, loc="lower right", bbox_to_anchor=(1.03, 1), ncols=2,
+        borderpad=0, handlelength=1.6, columnspacing=1,
+    )  # fmt: skip
     if len(part):
         log_axis(panels[2].yaxis)
     _legend(figure, look)
+    costs = table[[f"{name}_ert" for name in names]].to_numpy()
+    never = "" if np.isfinite(costs).all() else "; ∞: no run ends clear"
     figure.set_label(
         "Left and middle: expected fitness evaluations until a first clear trajectory, by "
-        "obstacles and by the width of the narrowest passage (median of a level); ∞: no run ends "
-        "clear. Right: seconds to map the free space and to plan in it, on a busy machine."
+        "obstacles and by the width of the narrowest passage (median of a level)"
+        f"{never}. Right: seconds to map the free space and to plan in it, on a busy machine."
     )
     return figure
 

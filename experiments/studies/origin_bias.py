@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from experiments.changes import Change, fitness_change
-from experiments.words import between, listed, signed
+from experiments.words import between, bulleted, listed, signed
 from jaxsusp.report.comparison.gaps import clear_runs
 from jaxsusp.report.drawing.style import (
     INK,
@@ -193,31 +193,48 @@ def findings(tasks: xr.Dataset, changes: Changes, functions: xr.Dataset) -> str:
         + _exceptions([name for name in others if name not in kept], same)
     )
     ways = {
-        ("printed", "moved"): "functions are moved together with their bounds",
-        ("moved", "shifted"): "their optimum is shifted off the middle of the bounds instead",
-        ("shifted", "turned"): "they are turned as well",
+        ("printed", "moved"): "functions are moved together with their bounds, against printed",
+        ("printed", "shifted"): "their optimum is shifted off the middle of the bounds, against "
+        "printed",
+        ("shifted", "turned"): "they are turned as well, against shifted alone",
     }
+    owing = {}
     for (one, other), told in ways.items():
         losses = {name: lost(functions, name, one, other) for name in names}
+        owing[other] = [label(name) for name in names if losses[name].low > 1]
         said.append(f"Where {told}, {_losers(losses)}.")
     error = decades(functions).mean(("function", "run"))
     best = {case: str(error.sel(case=case).idxmin("algorithm").item()) for case in CASES}
-    said.append(
-        "The least mean error has "
-        + listed([f"{label(name)} where they are {case}" for case, name in best.items()])
-        + "."
+    error = decades(functions).mean(("function", "run"))
+    best = {case: str(error.sel(case=case).idxmin("algorithm").item()) for case in CASES}
+    first = "; ".join(f"{case}, {label(name)}" for case, name in best.items())
+    said.append(f"Who has the least mean error of functions: {first}.")
+    answer = (
+        f"In the classical functions {_losing(owing['moved'])} where the optimum leaves the "
+        f"origin, and {_losing(owing['shifted'])} where it leaves the middle of the bounds as "
+        "well; no task is solved surely worse where it lies elsewhere"
+        + _worse([name for name in names if changes[name, farthest].sure > 0])
     )
-    return " ".join(said)
+    return bulleted(answer, *said)
 
 
 def _moved(name: str, changes: Changes, same: float, farthest: float) -> str:
     change = changes[name, farthest]
-    verdict = {1: "worse", -1: "better", 0: "not surely other"}[change.sure]
+    verdict = {1: "does worse", -1: "does better", 0: "may do better or worse"}[change.sure]
     return (
-        f"{label(name)} is {verdict} where tasks lie {farthest:g} m away: fitness "
+        f"{label(name)} {verdict} where tasks lie {farthest:g} m away: fitness "
         f"{signed(change.middle)} % ({between(change.low, change.high)}); {100 * same:.0f} % of "
         "its runs end alike at all distances."
     )
+
+
+def _losing(names: list[str]) -> str:
+    verb = "lose" if len(names) > 1 else "loses"
+    return f"{listed(names, 'no algorithm')} {verb} more than a decade"
+
+
+def _worse(names: list[str]) -> str:
+    return f", but for {listed([*map(label, names)])}." if names else "."
 
 
 def _exceptions(names: list[str], same: dict[str, float]) -> str:

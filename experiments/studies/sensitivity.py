@@ -16,6 +16,7 @@ from scipy.stats import rankdata, spearmanr
 import jaxsusp as js
 from experiments.artefacts import Artefacts
 from experiments.contents import Page, Work
+from experiments.words import bulleted, listed
 from jaxsusp._files import atomic_path
 from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.optim.registry import algorithm as algorithm_of
@@ -256,16 +257,20 @@ def matrix(found: pd.DataFrame, index: str, title: str, said: str) -> pd.DataFra
     frame = frame.rename(index=SAID).rename_axis("factor").reset_index()
     frame.attrs["title"] = title
     frame.attrs["columns"] = {
-        output: Column(f"{said}", two_decimals) for output, said in OUTPUTS.items()
+        output: Column(f"{said}", _written) for output, said in OUTPUTS.items()
     }
     frame.attrs["bold"] = frozenset(sure)
     frame.attrs["caption"] = (
-        f"Share of the variance of a result that is due to a factor {said}; bold where the 95 % "
-        "bootstrap interval leaves out 0. Half-widths: "
+        f"Share of the variance of a result that is due to a factor {said}; bold where it is "
+        "above the half-width of its own 95 % bootstrap interval. Half-widths: "
         f"{two_decimals(half.stack().median())} in the median, "
         f"{two_decimals(half.max(axis=None))} at most."
     )
     return frame
+
+
+def _written(index: float) -> str:
+    return two_decimals(index).replace("-", "−")
 
 
 def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> str:
@@ -289,23 +294,51 @@ def findings(frame: pd.DataFrame, found: pd.DataFrame, settings: Settings) -> st
         said.append(f"{text}.")
     halves = found[["first_half", "total_half"]]
     alone, total = map(two_decimals, halves.median())
-    return (
+    return bulleted(
+        _answer(found, settings),
         f"{settings.algorithm.upper()} on {settings.scenario}, {settings.iterations} iterations, "
         f"{settings.runs} runs of each of {len(frame)} settings (Saltelli's design of base "
         f"{settings.base}); weights and κ from {1 / settings.spread:g} to {settings.spread:g} "
         "times their defaults, every trajectory measured by one ruler of "
-        f"{RULER[1]} samples. {' '.join(text[0].upper() + text[1:] for text in said)} The "
-        f"intervals are wide: half-widths of {alone} (first) and {total} (total) in the "
+        f"{RULER[1]} samples.",
+        *(text[0].upper() + text[1:] for text in said),
+        f"The intervals are wide: half-widths of {alone} (first) and {total} (total) in the "
         "median and of "
-        f"{two_decimals(halves.max(axis=None))} at most, so that indices below about "
-        f"{total} say nothing. Which runs a setting is given is a "
+        f"{two_decimals(halves.max(axis=None))} at most. An index says something only where it is "
+        f"above its own half-width (bold in the tables). {_beyond(found)}",
+        "Which runs a setting is given is a "
         "factor of its own, luck; where a search hangs on every digit of its settings, so that "
         "each change is like another draw, every factor's total index holds that much of luck "
         f"as well, and only what is above it (point estimates) is the factor's own doing: luck's "
-        f"is {two_decimals(luck.min())} to {two_decimals(luck.max())}. The share of clear runs is "
+        f"is {two_decimals(luck.min())} to {two_decimals(luck.max())}.",
+        "The share of clear runs is "
         f"{100 * frame['clear'].mean():.0f} % over all settings, the median excess "
-        f"{100 * (frame['excess'].median() - 1):.0f} %."
+        f"{100 * (frame['excess'].median() - 1):.0f} %.",
     )
+
+
+def _answer(found: pd.DataFrame, settings: Settings) -> str:
+    """For which of the results which factor alone decides most, as far as intervals tell."""
+    where = f"For {settings.algorithm.upper()} on one scenario, {settings.scenario}, "
+    rows = found[(found["factor"] != "luck") & (found["first"] > found["first_half"])]
+    if rows.empty:
+        return f"{where}no factor alone is told from nothing."
+    most = rows.loc[rows.groupby("output", sort=False)["first"].idxmax()]
+    told = [
+        f"{SAID[factor]} for {listed([OUTPUTS[each] for each in part['output']])}"
+        for factor, part in most.groupby("factor", sort=False)
+    ]
+    return f"{where}the factor that alone decides most is {listed(told)}."
+
+
+def _beyond(found: pd.DataFrame) -> str:
+    """Shares above the whole are no shares."""
+    above = found[(found["first"] > 1) | (found["total"] > 1)]
+    told = [f"{SAID[row.factor]} for {OUTPUTS[row.output]}" for row in above.itertuples()]
+    return (
+        f"An index above 1 ({listed(told)}) is an artefact of the estimate from so few settings, "
+        "no share." if told else ""
+    )  # fmt: skip
 
 
 def interval(rows: pd.DataFrame, factor: str, index: str) -> str:

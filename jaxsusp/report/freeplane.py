@@ -78,7 +78,7 @@ def plane(
         figure,
         [
             Patch(fc=BLACK, label="obstacle"),
-            Patch(fc=GROWN, label="grown"),
+            Patch(fc=GROWN, label="margin"),
             Line2D([], [], color=LINE, lw=1.6, label="polygon"),
             Line2D([], [], color=ELLIPSE, lw=1.6, label="ellipse"),
             Line2D([], [], color=WAY, lw=2.4, label="trajectory"),

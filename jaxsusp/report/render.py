@@ -1,4 +1,4 @@
-"""Tables for people: one frame of numbers → rich, Markdown or CSV.
+"""Tables for people: one frame of numbers → rich, Markdown, HTML or CSV.
 
 A frame carries what belongs to it in `frame.attrs`, all optional: `title`, `caption`, `group` (the
 columns that become headings), `columns` (how to write some of them), `bold` (the cells to stress)
@@ -124,7 +124,7 @@ def to_rich(frame: pd.DataFrame, title: str | None = None, caption: str | None =
         title: replaces the frame's own title.
         caption: replaces the frame's own caption; footnotes stay.
     """
-    remarks = [caption or frame.attrs.get("caption", ""), *_notes(frame)]
+    remarks = [caption or frame.attrs.get("caption", ""), *notes_of(frame)]
     table = Table(
         title=title or frame.attrs.get("title"),
         title_justify="left",
@@ -137,11 +137,11 @@ def to_rich(frame: pd.DataFrame, title: str | None = None, caption: str | None =
         min_width=60,
     )
     group = frame.attrs.get("group", [])
-    names = [name for name in _shown(frame) if name not in group]
-    text = _text(frame, "[bold]{}[/bold]", escape)
+    names = [name for name in shown_columns(frame) if name not in group]
+    text = cells_as_text(frame, "[bold]{}[/bold]", escape)
     headings = ["\n".join(_heading(frame, text, row, name) for name in group) for row in text.index]
     for name in names:
-        label, side = _column(frame, name).label, _side(frame, name)
+        label, side = column_of(frame, name).label, side_of(frame, name)
         label = "\n".join(_BROKEN.get(label, label).split())
         # Where the terminal is too narrow, headings and words wrap, numbers do not.
         table.add_column(label, justify=side, no_wrap=side == "right", overflow="fold")
@@ -157,12 +157,12 @@ def to_rich(frame: pd.DataFrame, title: str | None = None, caption: str | None =
 
 def to_markdown(frame: pd.DataFrame) -> str:
     """A Markdown table, followed by the caption and the footnotes."""
-    names = _shown(frame)
-    text = _text(frame, "**{}**", lambda cell: cell.replace("|", r"\|"))
-    head = [_column(frame, name).label for name in names]
-    rule = [{"left": ":---", "right": "---:"}[_side(frame, name)] for name in names]
+    names = shown_columns(frame)
+    text = cells_as_text(frame, "**{}**", lambda cell: cell.replace("|", r"\|"))
+    head = [column_of(frame, name).label.replace("|", r"\|") for name in names]
+    rule = [{"left": ":---", "right": "---:"}[side_of(frame, name)] for name in names]
     lines = [f"| {' | '.join(row)} |" for row in (head, rule, *text[names].values)]
-    notes = [frame.attrs.get("caption", ""), *_notes(frame)]
+    notes = [frame.attrs.get("caption", ""), *notes_of(frame)]
     return "\n\n".join(["\n".join(lines), *filter(None, notes)]) + "\n"
 
 
@@ -174,10 +174,10 @@ def to_html(frame: pd.DataFrame, sortable: bool = False) -> str:
         sortable: for a page with a script and a style sheet of its own: headings are buttons, cells
             carry the bare numbers in `data-value`, sides are classes. Otherwise it stands alone.
     """
-    names = _shown(frame)
-    text = _text(frame, "<strong>{}</strong>", html.escape)
-    look = {name: _look(_side(frame, name), sortable) for name in names}
-    labels = {name: html.escape(_column(frame, name).label) for name in names}
+    names = shown_columns(frame)
+    text = cells_as_text(frame, "<strong>{}</strong>", html.escape)
+    look = {name: _look(side_of(frame, name), sortable) for name in names}
+    labels = {name: html.escape(column_of(frame, name).label) for name in names}
     if sortable:
         labels = {name: f'<button type="button">{each}</button>' for name, each in labels.items()}
     head = "".join(f'<th scope="col"{look[name]}>{labels[name]}</th>' for name in names)
@@ -192,59 +192,10 @@ def to_html(frame: pd.DataFrame, sortable: bool = False) -> str:
     )
     title = html.escape(frame.attrs.get("title", ""))
     caption = "" if sortable else f'<caption style="text-align:left"><b>{title}</b></caption>\n'
-    notes = [frame.attrs.get("caption", ""), *_notes(frame)]
+    notes = [frame.attrs.get("caption", ""), *notes_of(frame)]
     said = "".join(f"<p>{html.escape(note)}</p>\n" for note in notes if note)
     table = f"{caption}<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>"
     return f"<div><table>\n{table}\n</table></div>\n{said}"
-
-
-def to_latex(frame: pd.DataFrame) -> str:
-    """A table for a paper (booktabs), with title, caption and footnotes below it."""
-    names = _shown(frame)
-    text = _text(frame, r"\textbf{{{}}}", _latex)
-    sides = "".join(_side(frame, name)[0] for name in names)
-    head = " & ".join(_latex(_column(frame, name).label) for name in names)
-    rows = [" & ".join(row) + r" \\" for row in text[names].values]
-    notes = [frame.attrs.get("caption", ""), *_notes(frame)]
-    lines = [
-        r"\begin{table}",
-        rf"\caption{{{_latex(frame.attrs.get('title', ''))}}}",
-        rf"\begin{{tabular}}{{{sides}}}",
-        r"\toprule",
-        head + r" \\",
-        r"\midrule",
-        *rows,
-        r"\bottomrule",
-        r"\end{tabular}",
-        *(rf"\par\smallskip\footnotesize {_latex(note)}" for note in notes if note),
-        r"\end{table}",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-_TEX = {each: rf"\{each}" for each in "&%$#_{}"} | {
-    "\\": r"\textbackslash{}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "∞": r"$\infty$",
-    "−": "$-$",
-    "≤": r"$\le$",
-    "≥": r"$\ge$",
-    "<": "$<$",
-    ">": "$>$",
-    "κ": r"$\kappa$",
-    "χ": r"$\chi$",
-    "²": r"\textsuperscript{2}",
-    "₁": r"\textsubscript{1}",
-    "₂": r"\textsubscript{2}",
-    "–": "--",
-    "×": r"$\times$",
-    "·": r"$\cdot$",
-}
-
-
-def _latex(text: str) -> str:
-    return "".join(_TEX.get(each, each) for each in text)
 
 
 def _look(side: str, styled: bool) -> str:
@@ -253,7 +204,7 @@ def _look(side: str, styled: bool) -> str:
 
 def _number(frame: pd.DataFrame, row: Any, name: str, wanted: bool) -> str:
     """The bare number of a cell as an attribute; what is no number sorts by its text."""
-    if not wanted or _side(frame, name) != "right":
+    if not wanted or side_of(frame, name) != "right":
         return ""
     return f' data-value="{float(frame.at[row, name])!r}"'
 
@@ -263,29 +214,33 @@ def to_csv(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:
     write_text(path, frame.to_csv(index=False))
 
 
-def _column(frame: pd.DataFrame, name: str) -> Column:
+def column_of(frame: pd.DataFrame, name: str) -> Column:
+    """How a column of a frame is headed and written."""
     return {**COLUMNS, **frame.attrs.get("columns", {})}.get(name, Column(name.replace("_", " ")))
 
 
-def _shown(frame: pd.DataFrame) -> list[str]:
+def shown_columns(frame: pd.DataFrame) -> list[str]:
     """The columns that people see: all but those shown behind another one's slash."""
-    behind = {_column(frame, name).out_of for name in frame}
+    behind = {column_of(frame, name).out_of for name in frame}
     return [name for name in frame if name not in behind]
 
 
 def _heading(frame: pd.DataFrame, text: pd.DataFrame, row: Any, name: str) -> str:
     """One line above a group of rows: "scenario-1", "6 obstacles", "1 obstacle"."""
-    if _side(frame, name) != "right":
+    if side_of(frame, name) != "right":
         return text.at[row, name]
-    label = _column(frame, name).label
+    label = column_of(frame, name).label
     return f"{text.at[row, name]} {label.removesuffix('s') if frame.at[row, name] == 1 else label}"
 
 
-def _side(frame: pd.DataFrame, name: str) -> Literal["left", "right"]:
+def side_of(frame: pd.DataFrame, name: str) -> Literal["left", "right"]:
+    """Where its cells stand: numbers on the right."""
     return "right" if pd.api.types.is_numeric_dtype(frame[name]) else "left"
 
 
-def _text(frame: pd.DataFrame, bold: str, escape_text: Callable[[str], str]) -> pd.DataFrame:
+def cells_as_text(
+    frame: pd.DataFrame, bold: str, escape_text: Callable[[str], str]
+) -> pd.DataFrame:
     """The same frame as text, the best cells stressed and the doubtful ones marked."""
     stressed = frame.attrs.get("bold", ())
     marks: dict[Cell, str] = {}
@@ -294,7 +249,7 @@ def _text(frame: pd.DataFrame, bold: str, escape_text: Callable[[str], str]) -> 
             marks[cell] = marks.get(cell, "") + letter
 
     def write(row, name) -> str:
-        column = _column(frame, name)
+        column = column_of(frame, name)
         text = escape_text(column.write(frame.at[row, name]))
         text += f"/{plain(frame.at[row, column.out_of])}" if column.out_of in frame else ""
         text = bold.format(text) if (row, name) in stressed else text
@@ -304,7 +259,8 @@ def _text(frame: pd.DataFrame, bold: str, escape_text: Callable[[str], str]) -> 
     return pd.DataFrame(cells, index=frame.index, dtype=object)
 
 
-def _notes(frame: pd.DataFrame) -> list[str]:
+def notes_of(frame: pd.DataFrame) -> list[str]:
+    """The footnotes with their letters."""
     return [f"{letter} {note.text}".strip() for letter, note in _lettered(frame)]
 
 

@@ -48,6 +48,18 @@ def test_what_differs_is_named_with_both_files(halves):
         assert str(strange) in str(refused.value)
 
 
+def test_scenarios_that_only_some_algorithms_have_are_refused(halves):
+    one, other = halves
+    whole = js.load_results(other)
+    elsewhere = other.with_name("elsewhere.nc")
+    scenarios = [f"{each}-b" for each in whole["scenario"].values.tolist()]
+    js.save_results(whole.assign_coords(scenario=scenarios), elsewhere)
+    with pytest.raises(InputError, match=f"none of them has .* on {scenarios[0]}") as refused:
+        load_together([one, elsewhere])
+    assert str(elsewhere) in str(refused.value)
+    assert load_together([other, elsewhere])["scenario"].size == 2 * len(scenarios)
+
+
 def test_the_same_run_twice_is_refused(halves):
     with pytest.raises(InputError, match="is there twice"):
         load_together([halves[0], halves[0]])

@@ -1,9 +1,15 @@
 """Every number that the pages of results print is recomputed from the data that is kept."""
 
+import itertools
+import re
+
 import pytest
 
 from experiments import contents, pages
 from experiments.artefacts import Artefacts
+from jaxsusp.errors import InputError
+from jaxsusp.report.latex import to_latex
+from jaxsusp.report.render import shown_columns
 
 pytestmark = pytest.mark.pages
 
@@ -16,8 +22,24 @@ def test_a_page_says_what_its_data_say(name):
     kept = (pages.SITE / f"{pages.stem(name)}.md").read_text(encoding="utf-8")
     assert pages.text_of(name, found, page) == kept
     assert all(pages.said(figure) for figure in page.figures.values())
+    for frame in page.tables.values():
+        written = to_latex(frame)
+        assert written.isascii(), [each for each in written if not each.isascii()]
+        assert "`" not in written.replace("``", "")
+        rows = [line for line in written.splitlines() if line.endswith(r" \\")]
+        columns = len(shown_columns(frame))
+        assert {len(re.findall(r"(?<!\\)&", row)) for row in rows[-len(frame) :]} == {columns - 1}
     for each in page.figures:
         assert (pages.SITE / "images" / f"{each}.png").exists()
+
+
+@pytest.mark.parametrize("page", sorted(pages.SITE.glob("*.md")), ids=lambda page: page.stem)
+def test_rows_of_a_table_have_as_many_cells_as_its_heading(page):
+    lines = page.read_text(encoding="utf-8").splitlines()
+    for table, rows in itertools.groupby(lines, lambda line: line.startswith("|")):
+        if table:
+            cells = {len(re.findall(r"(?<!\\)\|", row)): row for row in rows}
+            assert len(cells) == 1, cells
 
 
 def test_the_index_lists_every_page(tmp_path):
@@ -33,6 +55,21 @@ def test_names_are_modules_that_say_what_they_are():
         assert found.DIFFERS
         assert found.__doc__
         assert bool(found.MINUTES) == hasattr(found, "make") == bool(found.MADE)
+
+
+def test_what_is_missing_names_the_page_that_makes_it(tmp_path):
+    with pytest.raises(InputError, match=r"make published\.ends` \(about 3 min\) makes it"):
+        Artefacts(tmp_path).frame("ends")
+    assert contents.maker("comparison") == "published.comparison"
+    motion = pages.commands("published.motion", contents.module("published.motion"))
+    assert "make published.comparison" in motion
+
+
+def test_a_page_with_less_than_before_says_so(tmp_path):
+    page = tmp_path / "page.md"
+    assert pages.shown(page) == []
+    page.write_text("# Title\n\n## A table\n\n![A [b] (c).](images/some.png)\n", encoding="utf-8")
+    assert pages.shown(page) == ["A table", "images/some.png"]
 
 
 def test_what_is_read_is_made_before():

@@ -112,6 +112,18 @@ def test_rules_are_those_of_other_pages_and_of_one_made_here(artefacts):
     assert (ds["seconds"] > 0).all()
 
 
+def test_runs_that_do_not_depend_on_a_rule_are_found_and_said(artefacts):
+    spaces = module("studies.spaces")
+    ds = artefacts.dataset("spaces").copy(deep=True)
+    assert "pso" not in spaces.alike(ds)
+    polytopes = ds["fitness"].sel(search="free-space", algorithm="pso")
+    ds["fitness"].loc[{"search": "ellipsoid", "algorithm": "pso"}] = polytopes
+    assert "pso" in spaces.alike(ds)
+    told = spaces.findings(ds, spaces.changes_of(ds))
+    assert "run of PSO is the very same" in told
+    assert "PSO" not in told[told.index("the ellipsoids of") : told.index("Every run")]
+
+
 def test_data_of_other_settings_are_refused(artefacts, tmp_path):
     spaces = module("studies.spaces")
     with pytest.raises(js.InputError, match="spaces: runs is 3, and 2 in budgets"):

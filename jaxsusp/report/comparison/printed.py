@@ -134,7 +134,7 @@ def minima(ds: xr.Dataset, scenario: str, width: float = PAGE) -> Figure:
         if both and name in table["algorithm"].values.tolist():
             row = table.sel(scenario=scenario, algorithm=name)
             _printed(panels[1], place, row, style)
-    titles = ("(a) ours: all runs", "(b) as printed: min, average, max")
+    titles = ("(a) ours: all runs", "(b) as printed: minimum, average, maximum")
     for axes, title in zip(panels, titles, strict=False):
         _small(axes)
         bottom, top = axes.get_ylim()
@@ -151,6 +151,8 @@ def minima(ds: xr.Dataset, scenario: str, width: float = PAGE) -> Figure:
         for text, face in faces.items()
     ]
     samples.append(Line2D([], [], marker="_", ls="", ms=12, mew=2, color=INK, label="minimum"))
+    if both:
+        samples.append(Line2D([], [], marker="_", ls="", ms=6, color=QUIET, label="maximum (b)"))
     legend(figure, samples)
     return figure
 
@@ -180,7 +182,7 @@ def _runs(axes: Axes, place: int, cell: xr.Dataset, style: Style) -> None:
 def _printed(axes: Axes, place: int, row: xr.Dataset, style: Style) -> None:
     low, mean, high = (row[name].item() for name in ("min", "average", "max"))
     axes.plot([place, place], [low, high], color=style.color, lw=1.2, zorder=2)
-    axes.plot([place] * 2, [mean, high], style.marker, ms=4, color=style.color, mfc="white")
+    axes.plot([place - 0.12, place + 0.12], [high, high], color=style.color, lw=1.2)
     axes.plot(place, mean, style.marker, ms=5, color=style.color, zorder=3)
     _stroke(axes, place, low)
 
