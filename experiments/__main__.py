@@ -1,12 +1,16 @@
 """Make and draw, see the package's documentation."""
 
 import argparse
+import hashlib
 import sys
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from experiments import pages
 from experiments.artefacts import Artefacts
-from experiments.contents import NAMES, Work, making, module
+from experiments.contents import NAMES, Module, Work, making, module
+from jaxsusp.comparison.dataset import DECISIVE
 from jaxsusp.errors import InputError
 from jaxsusp.optim import devices
 
@@ -29,13 +33,24 @@ def make(names, resume: bool) -> None:
             )
     todo = [name for name in names if module(name).MINUTES]
     if resume:
-        todo = [name for name in todo if artefacts.missing(module(name).MADE)]
+        todo = [name for name in todo if not current(module(name), artefacts)]
     told(f"{len(todo)} to make, about {duration_of(todo)} on two cores")
     for number, name in enumerate(todo, 1):
         found = module(name)
         told(f"{number}/{len(todo)} {name}: about {found.MINUTES:g} min")
-        folder = PARTS / pages.stem(name)
-        found.make(found.FULL, Work(artefacts, folder, told))
+        found.make(found.FULL, Work(artefacts, parts_of(name, found.FULL), told))
+
+
+def current(found: Module, artefacts: Artefacts) -> bool:
+    """Whether what a page's module makes is kept, and was made with its settings of today."""
+    return not (artefacts.missing(found.MADE) or artefacts.differing(found.MADE, found.FULL))
+
+
+def parts_of(name: str, settings: Any) -> Path:
+    """A folder for what is finished of a page: of these settings and versions, of no others."""
+    versions = [version(package) for package in DECISIVE]
+    digest = hashlib.sha256(repr((settings, versions)).encode()).hexdigest()[:8]
+    return PARTS / f"{pages.stem(name)}-{digest}"
 
 
 def duration_of(names) -> str:

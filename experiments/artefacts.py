@@ -70,6 +70,31 @@ class Artefacts:
         """Those of the names under which nothing is kept."""
         return [name for name in names if not [*self.folder.glob(f"{name}.*")]]
 
+    def differing(self, names: Sequence[str], settings: Any) -> list[str]:
+        """In what the data of these names were made otherwise than with such settings.
+
+        Args:
+            names: of artefacts that are there.
+            settings: a NamedTuple; only what both tell is looked at.
+
+        Returns:
+            "runs = 6 in ablation_six, 9 now" for every difference.
+        """
+        now, found = json.loads(json.dumps(settings._asdict())), []
+        for name in names:
+            kept = self._settings(name)
+            found += [
+                f"{key} = {kept[key]} in {name}, {now[key]} now"
+                for key in kept.keys() & now.keys()
+                if not isinstance(kept[key], dict) and kept[key] != now[key]
+            ]
+        return sorted(found)
+
+    def _settings(self, name: str) -> dict[str, Any]:
+        if (self.folder / f"{name}.csv").exists():
+            return self.frame(name).attrs["settings"]
+        return json.loads(self.dataset(name).attrs["settings"])
+
     def _there(self, file: str) -> Path:
         path = self.folder / file
         if not path.exists():

@@ -1,5 +1,6 @@
 """The paper looks for contacts at 40 points in time: how many of its clear runs are clear?"""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +19,7 @@ from experiments.artefacts import Artefacts
 from experiments.contents import Page, Work
 from experiments.words import between
 from jaxsusp._files import atomic_path
+from jaxsusp.comparison import dataset
 from jaxsusp.comparison.workunit import Group, evaluate_exactly, stack_scenarios
 from jaxsusp.geometry.penetration import deepest
 from jaxsusp.optim.batch import run_batch
@@ -86,7 +88,10 @@ def make(settings: Settings, work: Work) -> None:
     ds = xr.combine_by_coords(parts, combine_attrs="drop")
     assert isinstance(ds, xr.Dataset)
     ds = ds.sel(scenario=list(settings.scenarios), algorithm=list(settings.algorithms))
-    work.artefacts.keep("cable-check", ds.assign_attrs(settings=repr(settings)))
+    work.artefacts.keep(
+        "cable-check",
+        ds.assign_attrs(settings=json.dumps(settings._asdict()), **dataset.provenance()),
+    )
 
 
 _OVER = ("search", "contacts", "algorithm")

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from experiments import contents, pages
+from experiments.__main__ import parts_of
 from experiments.artefacts import Artefacts
 from jaxsusp.errors import InputError
 from jaxsusp.report.latex import to_latex
@@ -70,6 +71,22 @@ def test_a_page_with_less_than_before_says_so(tmp_path):
     assert pages.shown(page) == []
     page.write_text("# Title\n\n## A table\n\n![A [b] (c).](images/some.png)\n", encoding="utf-8")
     assert pages.shown(page) == ["A table", "images/some.png"]
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("name", contents.NAMES)
+def test_what_is_kept_was_made_with_the_settings_of_its_module(name):
+    found = contents.module(name)
+    assert Artefacts().missing(found.MADE) == []
+    if found.MADE:
+        assert Artefacts().differing(found.MADE, found.FULL) == []
+
+
+def test_another_setting_is_told_and_has_parts_of_its_own():
+    found = contents.module("studies.budgets")
+    other = found.FULL._replace(runs=3)
+    assert Artefacts().differing(found.MADE, other) == ["runs = 20 in budgets, 3 now"]
+    assert parts_of("studies.budgets", other) != parts_of("studies.budgets", found.FULL)
 
 
 def test_what_is_read_is_made_before():
