@@ -44,14 +44,14 @@ def test_section_of_an_ellipsoid():
     random = np.random.default_rng(0)
     C, d = random.normal(size=(3, 3)), np.array([1.0, -2.0, 3.0])
     top = np.sqrt((C @ C.T)[2, 2])
-    ellipse = freespace._ellipse(Ellipsoid(C, d), 3.0 + 0.4 * top)
+    ellipse = freespace.ellipse_of(Ellipsoid(C, d), 3.0 + 0.4 * top)
     assert isinstance(ellipse, Ellipse)
     on = ellipse.get_patch_transform().transform(
         np.stack([np.cos([0, 1, 2, 4]), np.sin([0, 1, 2, 4])], axis=1)
     )
     points = np.column_stack([on, np.full(4, 3.0 + 0.4 * top)])
     np.testing.assert_allclose(np.linalg.norm(np.linalg.solve(C, (points - d).T), axis=0), 1)
-    assert freespace._ellipse(Ellipsoid(C, d), 3.0 + 1.01 * top) is None
+    assert freespace.ellipse_of(Ellipsoid(C, d), 3.0 + 1.01 * top) is None
 
 
 def test_figures_and_table(small):
