@@ -9,7 +9,7 @@ from experiments.artefacts import Artefacts
 from experiments.contents import Page
 from jaxsusp.report.comparison import paper
 from jaxsusp.report.comparison.best import best_plan
-from jaxsusp.report.comparison.printed import motions
+from jaxsusp.report.comparison.printed import INSTANTS, motions
 from jaxsusp.report.render import Column, significant
 
 TITLE = "The motion of the load"
@@ -36,7 +36,7 @@ def draw(artefacts: Artefacts) -> Page:
     )
     rows = []
     for name, plan in plans.items():
-        motion = plan.at(np.linspace(0, plan.law.duration, 4001))
+        motion = plan.at(np.linspace(0, plan.law.duration, INSTANTS))
         greatest = [np.linalg.norm(each, axis=1).max() for each in motion[1:]]
         along = np.abs(motion.acceleration).max(axis=0)
         rows.append((name, *greatest, *along))

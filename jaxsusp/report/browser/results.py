@@ -21,6 +21,7 @@ TITLES = {
     "convergence": "Convergence",
     "fitness": "Fitness of all runs",
     "ecdf": "Running times until targets are reached (ECDF)",
+    "critical-difference": "Mean ranks over the scenarios, and which differ",
 }
 
 STATISTICS = ("pairwise", "medians", "ranks")

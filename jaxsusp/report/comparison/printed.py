@@ -31,6 +31,9 @@ from jaxsusp.trajectory.timelaw import TimeLaw
 PAGE = 7.09
 """Width of a page (inches)."""
 
+INSTANTS = 4001
+"""At which a motion is drawn, and its greatest values are told: peaks of the jerk are narrow."""
+
 DASHES = ("-", (0, (5, 2)), (0, (1, 1)), (0, (5, 2, 1, 2)))
 """Of the algorithms in turn, where lines have no markers."""
 
@@ -54,7 +57,7 @@ def motions(laws: Mapping[str, TimeLaw], width: float = PAGE) -> Figure:
     look = styles(laws)
     for name, dash in zip(laws, DASHES * len(laws), strict=False):
         law = laws[name]
-        times = np.linspace(0, law.duration, 2001)  # peaks of the jerk are narrow
+        times = np.linspace(0, law.duration, INSTANTS)
         for row, values in zip(grid, law.at(times), strict=True):
             for axes, along in zip(row, values.T, strict=True):
                 axes.plot(times, along, color=look[name].color, ls=dash, lw=1.4)
