@@ -32,7 +32,7 @@ def test_tables_sort_pictures_show_and_names_are_only_names(visit, page):
     ]  # fmt: skip
     assert shown.evaluate("document.documentElement.scrollWidth") <= 390
     sizes = "[...document.images].map((image) => image.naturalWidth)"
-    assert len(shown.evaluate(sizes)) == 3  # convergence, fitness, a scene
+    assert len(shown.evaluate(sizes)) == 4  # convergence, fitness, mean ranks, a scene
     assert min(shown.evaluate(sizes)) > 300
     table = shown.locator("table").first
     numbers = table.locator("tbody td:nth-child(4)")

@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jaxsusp.report.comparison import across
+from jaxsusp.report.browser import results
+from jaxsusp.report.comparison import across, folder
 
 pytestmark = pytest.mark.fast
 
@@ -68,3 +69,7 @@ def test_the_diagram_names_all_with_their_ranks_and_bars_them(comparison):
     assert "critical difference 3.32 (more than the scale)" in told
     bars = [line for line in axes.get_lines() if line.get_linewidth() == 3.5]
     assert [line.get_xdata().tolist() for line in bars] == [[0.96, 4.04]]
+
+
+def test_every_figure_of_a_comparison_has_a_title_on_its_page():
+    assert results.TITLES.keys() == folder._FIGURES.keys()
