@@ -13,7 +13,7 @@ import xarray as xr
 
 import jaxsusp as js
 from experiments.claims.claim import CHECKS, PRINT, Claim, Evidence
-from experiments.studies import cable_check
+from experiments.studies import cable_cuts
 from jaxsusp.report.comparison import paper
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
 
@@ -171,8 +171,8 @@ def _tension_limits(runs: xr.Dataset) -> Claim:
 def _at_forty_points(checks: xr.Dataset) -> Claim:
     found = checks.sel(contacts="sampled", search="box")
     clear = int(found["clear"].sum())
-    cut = int((found["clear"] & (cable_check.cut(found) > cable_check.TOUCH)).sum())
-    deepest = float(cable_check.cut(found).max())
+    cut = int((found["clear"] & (cable_cuts.cut(found) > cable_cuts.TOUCH)).sum())
+    deepest = float(cable_cuts.cut(found).max())
     return Claim(
         "Sect. 4.2.2",
         "Planning at each of 40 path points ensures that the entire cable path does not collide.",

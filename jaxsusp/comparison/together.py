@@ -20,31 +20,31 @@ def load_together(paths: Sequence[str | os.PathLike[str]]) -> xr.Dataset:
         InputError: one cannot be read, two differ, or an algorithm is missing where another one is;
             names the files and the difference.
     """
-    first, *others = map(Path, paths)
-    whole = load_results(first)
-    for path in others:
+    parts = [(Path(path), load_results(path)) for path in paths]
+    (first, whole), *others = parts
+    for path, part in others:
         try:
-            whole = append_results(whole, load_results(path))
+            whole = append_results(whole, part)
         except InputError as error:
-            if str(path) in str(error):
-                raise
             raise InputError(f"{first} and {path}: {error}") from error
-    _require_complete(whole, paths)
+    _require_complete(whole, parts)
     return whole
 
 
-def _require_complete(whole: xr.Dataset, paths: Sequence[str | os.PathLike[str]]) -> None:
+def _require_complete(whole: xr.Dataset, parts: Sequence[tuple[Path, xr.Dataset]]) -> None:
     """An algorithm that no file has together with a scenario cannot be ranked there."""
     there: dict[str, set[str]] = {}
-    for path in paths:
-        ds = load_results(path)
+    for _, ds in parts:
         for name in ds["algorithm"].values.tolist():
             there.setdefault(name, set()).update(ds["scenario"].values.tolist())
-    scenarios = whole["scenario"].values.tolist()
+    scenarios, named = (
+        whole["scenario"].values.tolist(),
+        " and ".join(str(path) for path, _ in parts),
+    )
     for name, known in there.items():
         lacking = [each for each in scenarios if each not in known]
         require(
             not lacking,
-            f"{' and '.join(map(str, paths))}: none of them has {name} on {', '.join(lacking)}; "
+            f"{named}: none of them has {name} on {', '.join(lacking)}; "
             "give files with the same scenarios for every algorithm, or report each by itself",
         )

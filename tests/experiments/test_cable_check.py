@@ -10,6 +10,7 @@ from experiments import pages
 from experiments.artefacts import Artefacts
 from experiments.contents import Work
 from experiments.studies import cable_check as study
+from experiments.studies import cable_cuts
 
 pytestmark = pytest.mark.pages
 
@@ -48,10 +49,10 @@ def test_a_jump_through_an_obstacle_is_seen_and_measured(ds):
     made["cable_depth"][:] = -1.0
     made["load_depth"][:] = -1.0
     made["cable_depth"].loc[{"contacts": "sampled", "run": 0}] = 0.2
-    table = study.checks_table(made).set_index("contacts")
+    table = cable_cuts.checks_table(made).set_index("contacts")
     assert table.loc["sampled", ["touching", "deepest"]].tolist() == [1, pytest.approx(0.2)]
     assert table.loc["swept", "touching"] == 0
-    assert "0.200 m at most, by PSO" in study.findings(made)
+    assert "0.200 m at most, by PSO" in cable_cuts.findings(made)
 
 
 def test_the_page_is_drawn_from_it(folder):

@@ -96,8 +96,8 @@ def sdbo(
         problem, which has no S_c, the move is left out.
     """
     switches = (opposition, sine_cosine, pull, stability)
-    for name, on in zip(Improvements.__dataclass_fields__, switches, strict=True):
-        require(isinstance(on, bool), f"{name} = {on!r}: give True or False")
+    for each, on in zip(fields(Improvements), switches, strict=True):
+        require(isinstance(on, bool), f"{each.name} = {on!r}: give True or False")
     made = Improvements(*switches)
     moves = DboCoefficients(task_frame=frame_coefficient(frame))
     chosen = chosen_of("sdbo", SdboCoefficients, {"dbo": moves, **coefficients})
