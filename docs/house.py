@@ -28,6 +28,7 @@ ROOMS = {
     "coordination": "ends",
     "verify": "Certificate, Simulation",
     "planning": "Plan",
+    "cluster": "jobs done by workers",
     "comparison": "Dataset",
     "report": "tables, pictures",
     "studies": "fresh scenarios",

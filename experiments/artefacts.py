@@ -10,7 +10,7 @@ import xarray as xr
 
 from jaxsusp._files import atomic_path, write_text
 from jaxsusp.comparison import dataset
-from jaxsusp.comparison.together import load_together
+from jaxsusp.comparison.kept.together import load_together
 from jaxsusp.errors import InputError
 
 KEPT = Path(__file__).parent / "data"

@@ -66,8 +66,8 @@ from .optim.minimize import Result as Result
 from .comparison.compare import compare as compare
 from .comparison.bestknown import best_known as best_known
 from .comparison.dataset import append_results as append_results
-from .comparison.dataset import load_results as load_results
-from .comparison.dataset import save_results as save_results
+from .comparison.kept.files import load_results as load_results
+from .comparison.kept.files import save_results as save_results
 
 # where the cables' ends go
 from .coordination.ends import place_ends as place_ends

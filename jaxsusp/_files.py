@@ -1,12 +1,14 @@
 """Files that are either the old one or the new one, never half of either."""
 
+import fcntl
 import os
 import secrets
+import socket
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from jaxsusp.errors import InputError, require
 
@@ -65,6 +67,69 @@ def write_netcdf(dataset: Any, path: str | os.PathLike[str]) -> None:
             f"{path}: cannot be written ({error.strerror or error}); free space there or choose "
             "another folder"
         ) from error
+
+
+@contextmanager
+def sole_writer(name: str, folder: str | os.PathLike[str]) -> Iterator[None]:
+    """Keep other processes from writing to a folder at the same time; a folder made for it goes.
+
+    The system forgets the claim of a process that ends, however it ends.
+
+    Args:
+        name: of the setting, for the message.
+        folder: made where it is missing, and removed if nothing has come into it.
+
+    Raises:
+        InputError: another process writes there.
+    """
+    folder = Path(folder)
+    before = _nearest(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = folder / ".lock"
+    try:
+        with _locked(f"{name} = {folder}", lock):
+            yield
+    finally:
+        for made in (folder, *folder.parents):
+            if made == before:
+                break
+            with suppress(OSError):  # it holds something
+                made.rmdir()
+
+
+@contextmanager
+def _locked(told: str, lock: Path) -> Iterator[None]:
+    while True:
+        file = lock.open("a+", encoding="utf-8")
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.seek(0)
+            who = file.read().strip() or "another process"
+            file.close()
+            raise InputError(
+                f"{told}: {who} writes there; wait for it, or choose another folder"
+            ) from None
+        except OSError:  # a file system without locks
+            pass
+        if _same(file, lock):
+            break
+        file.close()  # its owner removed it while we waited
+    with file:
+        file.truncate(0)
+        file.write(f"process {os.getpid()} on {socket.gethostname()}")
+        file.flush()
+        try:
+            yield
+        finally:
+            lock.unlink(missing_ok=True)
+
+
+def _same(file: IO[str], path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
 
 
 def _flush(path: Path) -> None:

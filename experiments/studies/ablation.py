@@ -98,7 +98,7 @@ def ended(units: Sequence[Unit], settings: Settings) -> xr.Dataset:
         runs = settings.runs_of_random if number else settings.runs
         for first in range(0, runs, settings.runs_of_random):
             pair = range(first, first + settings.runs_of_random)
-            ds = unit.compute(settings.seed, pair, lambda _: None)
+            ds = unit.compute(settings.seed, pair)
             there = {name for each in done if number for name in each["scenario"].values}
             new = [name for name in ds["scenario"].values.tolist() if name not in there]
             done.append(ds.sel(scenario=new))

@@ -84,10 +84,11 @@ def planned(settings: Settings, folder: Path, work: Work) -> dict[str, list[Unit
     )  # what was measured once holds when an interrupted one goes on
     if not file.exists():
 
-        def told(unit: Unit) -> None:
+        def timed(unit: Unit) -> float:
             work.told(f"  timing {unit.optimizer.name}")
+            return unit.time_iteration(settings.seed, settings.runs) / settings.runs
 
-        _, allotted = timebudget.allot(units["time"], settings.runs, settings.seed, [], told)
+        _, allotted = timebudget.allot(units["time"], [], timed)
         folder.mkdir(parents=True, exist_ok=True)
         write_text(file, json.dumps(allotted))
     iterations = json.loads(file.read_text(encoding="utf-8"))["iterations"]
@@ -102,7 +103,7 @@ def done(unit: Unit, budget: str, settings: Settings, folder: Path, work: Work) 
     file = folder / f"{budget}-{unit.optimizer.name}.nc"
     if not file.exists():
         work.told(f"  equal {budget}: {unit.optimizer.name}, {unit.iterations} iterations")
-        write_netcdf(unit.compute(settings.seed, range(settings.runs), lambda _: None), file)
+        write_netcdf(unit.compute(settings.seed, range(settings.runs)), file)
     return xr.load_dataset(file, engine="h5netcdf")
 
 

@@ -73,6 +73,26 @@ Search = Annotated[
     ),
 ]
 SEARCH = SEARCHES[0]
+Workers = Annotated[
+    int | None, count("Do the work in so many processes of this machine, which share its cores.")
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        help="Have the work done by the workers of a Dask scheduler: its address, such as "
+        "tcp://HOST:8786, or its file.",
+        show_default=False,
+    ),
+]
+TlsCa = Annotated[
+    Path | None, typer.Option("--tls-ca", help="Certificates that are trusted (PEM); scheduler.")
+]
+TlsCert = Annotated[
+    Path | None, typer.Option("--tls-cert", help="Our certificate (PEM) for the scheduler.")
+]
+TlsKey = Annotated[
+    Path | None, typer.Option("--tls-key", help="Its key, where the certificate is without.")
+]
 Output = Annotated[
     Path, typer.Option(help="Folder for what is written.", callback=checked(require_folder))
 ]

@@ -13,7 +13,14 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
-from jaxsusp.comparison.compare import Event
+from jaxsusp.comparison.events import Event
+
+OFTEN = 60.0
+"""Seconds between two lines about a study that goes on, outside of a terminal."""
+
+
+_ENDS = ("kept", "finished")
+"""What workers tell, who tell neither of compiling nor of running."""
 
 
 class Pace:
@@ -36,7 +43,7 @@ class Pace:
         now = self._clock()
         if event.phase == "compiling":
             self._compiling_since, self._first_chunk = now, None
-        elif event.phase == "running":
+        elif event.phase == "running" or (event.phase in _ENDS and not self._compilations):
             if self._first_chunk is None:
                 self._compilations.append(now - self._compiling_since)
                 self._first_chunk = now, event.done
@@ -44,7 +51,7 @@ class Pace:
             if now > since:
                 self._rate = (event.done - before) / (now - since)
         if self._rate:
-            compiling = event.compilations * fmean(self._compilations)
+            compiling = event.compilations * fmean(self._compilations or [0.0])
             self._end = now + compiling + (event.total - event.done) / self._rate
 
     @property
@@ -81,7 +88,8 @@ class ProgressBar:
     """Context manager that shows progress; `told` is the callback for `jaxsusp.compare`."""
 
     def __init__(self, console: Console):
-        self.kept: list[str] = []  # algorithms that an interrupt does not lose
+        self._kept: dict[str, str] = {}  # by algorithm, in words
+        self._spoken = time.monotonic()
         self._console = console
         self._pace = Pace()
         self._bar = Progress(
@@ -104,16 +112,35 @@ class ProgressBar:
 
     def told(self, event: Event) -> None:
         """Show an event."""
+        if event.phase == "note":
+            self._console.print(event.note, markup=False, highlight=False, soft_wrap=True)
+            return
         self._pace.told(event)
+        if event.phase == "kept":
+            self._note_kept(event)
+            return
         ended = event.phase in ("finished", "resumed")
-        if ended and event.algorithm not in self.kept:
-            self.kept.append(event.algorithm)
+        if ended:
+            self._kept[event.algorithm] = event.algorithm
         if self._bar.disable:
             if ended:
                 self._print_line(event)
             return
         text = event.algorithm if event.phase == "running" else f"{event.algorithm} {event.phase}"
         self._bar.update(self._task, description=text, completed=event.done, total=event.total)
+
+    @property
+    def kept(self) -> list[str]:
+        """What an interrupt does not lose."""
+        return [*self._kept.values()]
+
+    def _note_kept(self, event: Event) -> None:
+        """A chunk is finished; outside of a terminal a line about it now and then is enough."""
+        self._kept[event.algorithm] = f"{event.runs} runs of {event.algorithm}"
+        if self._bar.disable and time.monotonic() - self._spoken > OFTEN:
+            self._spoken = time.monotonic()
+            self._print_line(event)
+        self._bar.update(self._task, completed=event.done, total=event.total)
 
     def drawing(self, name: str, number: int, count: int) -> None:
         """Show that one of so many random scenes is being drawn."""
@@ -122,7 +149,9 @@ class ProgressBar:
         self._bar.update(self._task, description=f"drawing {name}", completed=number, total=count)
 
     def _print_line(self, event: Event) -> None:
-        how = "was there already" if event.phase == "resumed" else "finished"
+        how = {"resumed": "was there already", "kept": f"has {event.runs} runs"}.get(
+            event.phase, "finished"
+        )
         share = f"{100 * event.done / event.total:.0f} % after {self._pace.elapsed}"
         left = self._pace.left if event.done < event.total else ""
         line = ", ".join(filter(None, (f"{event.algorithm} {how}: {share}", self._pace.rate, left)))

@@ -3,16 +3,20 @@
 import json
 import os
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
 import xarray as xr
 
+from jaxsusp.cluster.employment import employed
 from jaxsusp.comparison import dataset, timebudget
 from jaxsusp.comparison.choices import BUDGETS
-from jaxsusp.comparison.store import Store
+from jaxsusp.comparison.chunks import Chunk, computed, cut, estimate, is_long, pace, usual_size
+from jaxsusp.comparison.events import Event, Tally
+from jaxsusp.comparison.kept.store import Store
 from jaxsusp.comparison.workunit import Unit, stack_scenarios
 from jaxsusp.errors import (
     InputError,
@@ -29,15 +33,8 @@ from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.scenario.builtin import scenarios as built_in
 from jaxsusp.scenario.scenario import Scenario, load_scenario
 
-
-class Event(NamedTuple):
-    """What a progress callback is told."""
-
-    algorithm: str  # the name of a scenario while its free space is mapped
-    phase: str  # "free space", "timing", "resumed", "compiling", "running" or "finished"
-    done: int  # fitness evaluations done …
-    total: int  # … of the whole comparison
-    compilations: int = 0  # still to be done, this one included
+if TYPE_CHECKING:
+    from jaxsusp.cluster.client import Cluster
 
 
 def compare(
@@ -55,6 +52,8 @@ def compare(
     samples: int = 40,
     output: str | os.PathLike[str] | None = None,
     resume: bool = False,
+    chunk: int | None = None,
+    workers: Any = None,
     progress: Callable[[Event], None] | None = None,
 ) -> xr.Dataset:
     """Run every algorithm on every scenario, several independent runs each, as array programs.
@@ -83,18 +82,29 @@ def compare(
         resume: go on from what is in `output`: only runs that are not finished are computed, and
             nothing finished is lost, so that runs or algorithms beyond those asked for stay in
             the dataset.
+        chunk: runs that are computed, and kept, at a time; default 250, or a two-hundredth of all.
+            It changes no number.
+        workers: who computes: None: this process; a number: so many processes of this machine; the
+            address of a Dask scheduler, or its file; a `distributed.Client`; or a
+            `jaxsusp.cluster.choices.Place`, with certificates.
         progress: called when something happens, see `Event`.
 
     Returns:
-        The dataset described by `jaxsusp.comparison.dataset.VARIABLES`.
+        The dataset described by `jaxsusp.comparison.dataset.VARIABLES`. Above 1000 runs `output`
+        holds a file for every chunk and `compare.json`, which lists them; histories have 51 of
+        their iterations, that of the best run all of them, and what belongs to runs is read when
+        it is asked for.
 
     Raises:
-        InputError: bad settings, a folder that cannot be written, or finished runs that were made
-            with other settings. Nothing has been written then.
+        InputError: bad settings, a folder that cannot be written or that another process writes
+            to, or finished runs that were made with other settings. Nothing has been written then.
+        ClusterError: no scheduler or worker is there, or none any more; finished chunks are kept.
     """
     require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)
     require_known("budget", budget, BUDGETS)
+    if chunk is not None:
+        require_counts(chunk=chunk)
     require(not resume or output is not None, "resume = True: give the output folder to resume")
     optimizers = _optimizers(algorithms)
     chosen = _distinct(scenarios)
@@ -134,21 +144,39 @@ def compare(
             "scenario_files": json.dumps({each.name: each.to_toml() for each in chosen}),
             **dataset.provenance(),
         },
+        is_long(runs),
     )
-    finished = store.finished() if resume else []
-    store.prepare()
-    if budget == "time":
+    size = usual_size(runs) if chunk is None else chunk
 
-        def timed(unit: Unit) -> None:
-            tell(Event(unit.optimizer.name, "timing", 0, 1))
+    def said(message: str) -> None:
+        tell(Event("", "note", 0, 1, note=message))
 
-        units, allotted = timebudget.allot(units, runs, seed, finished, timed)
-        _require_begun(units)
-        store.attributes[dataset.TIME_BUDGET] = json.dumps(allotted)
-    ds = dataset.merge([*_compute_missing(units, runs, seed, store, finished, tell), *finished])
-    ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
-    store.complete(ds)
-    return ds
+    with store.claimed(resume), employed(workers, said) as cluster:
+        finished = store.finished([group.names for group in groups]) if resume else []
+        if budget == "time":
+
+            def timed(unit: Unit) -> float:
+                tell(Event(unit.optimizer.name, "timing", 0, 1))
+                return pace(unit, seed, min(runs, size), cluster)
+
+            units, allotted = timebudget.allot(units, finished, timed)
+            _require_begun(units)
+            store.attributes[dataset.TIME_BUDGET] = json.dumps(allotted)
+        work = [(unit, unit.missing(runs, finished)) for unit in units]
+        tally = Tally(work, runs, tell, workers_compile=cluster is not None)
+        for unit, missing in work:
+            if not missing:
+                tally.tell(unit, "resumed")
+        chunks = [each for work_of in work for each in cut(*work_of, size, store.is_long)]
+        if is_long(runs) and chunks:
+            needed = estimate(chunks, seed, cluster)
+            said(f"{runs} runs in {len(chunks)} chunks: {needed}")
+            if output is not None:
+                needed.require_room(Path(output))
+        ds = store.whole([*_compute_missing(chunks, seed, store, cluster, tally), *finished])
+        ds = _sorted(ds, [each.name for each in chosen], [each.name for each in optimizers])
+        store.complete(ds)
+        return ds
 
 
 def _require_begun(units: Sequence[Unit]) -> None:
@@ -157,38 +185,22 @@ def _require_begun(units: Sequence[Unit]) -> None:
 
 
 def _compute_missing(
-    units: Sequence[Unit],
-    runs: int,
+    chunks: Sequence[Chunk],
     seed: int,
     store: Store,
-    finished: Sequence[xr.Dataset],
-    progress: Callable[[Event], None],
+    cluster: "Cluster | None",
+    tally: Tally,
 ) -> list[xr.Dataset]:
-    """Compute what is not finished, unit by unit, and store each at once."""
-    work = [(unit, unit.missing(runs, finished)) for unit in units]
-    total, to_go = sum(unit.cost(runs) for unit in units), sum(bool(missing) for _, missing in work)
-    done, computed = 0, []
-
-    def tell(unit: Unit, phase: str, extra: int = 0) -> None:
-        progress(Event(unit.optimizer.name, phase, done + extra, total, to_go))
-
-    for unit, missing in work:
-        done += unit.cost(runs - len(missing))
-        if not missing:
-            tell(unit, "resumed")
-            continue
-        tell(unit, "compiling")
-        to_go -= 1
-
-        def report(iterations: int, unit=unit, missing=missing) -> None:
-            tell(unit, "running", unit.cost(len(missing)) * iterations // unit.iterations)
-
-        part = unit.compute(seed, missing, report).assign_attrs(store.attributes)
-        store.save(part)
-        computed.append(part)
-        done += unit.cost(len(missing))
-        tell(unit, "finished")
-    return computed
+    """Compute what is not finished, chunk by chunk, and store each at once."""
+    found = []
+    with closing(computed(chunks, seed, cluster, tally.report)) as results:  # or they are cancelled
+        for chunk, ds in results:
+            part = ds.assign_attrs({**store.attributes, **ds.attrs})
+            store.save(part)
+            if not store.is_long:  # what is long does not fit into memory
+                found.append(part)
+            tally.finished(chunk)
+    return found
 
 
 def _sorted(ds: xr.Dataset, scenarios: list[str], algorithms: list[str]) -> xr.Dataset:

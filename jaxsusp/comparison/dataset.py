@@ -11,16 +11,13 @@ import os
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any, NamedTuple, TypedDict
 
-import h5py
 import jax
 import numpy as np
 import xarray as xr
 
-from jaxsusp._files import write_netcdf
-from jaxsusp.comparison.earlier import ADDED, brought_up_to_date
+from jaxsusp.cluster.worker import DECISIVE
 from jaxsusp.comparison.overview import Overview as Overview  # registers `ds.jaxsusp`
 from jaxsusp.errors import InputError
 from jaxsusp.optim.devices import cores
@@ -28,12 +25,13 @@ from jaxsusp.optim.devices import cores
 TERMS = ("length", "height", "cable", "tension_rate", "curvature", "penalty")
 PACKAGES = ("jaxsusp", "jax", "jaxlib", "numpy", "scipy", "xarray", "h5netcdf")
 JSON_ATTRIBUTES = ("settings", "coefficients", "scenario_files", "versions", "machine")
-DECISIVE = ("jaxsusp", "jax", "jaxlib")
-"""Packages whose version decides what a search finds: these must agree to put runs together."""
-
 
 TIME_BUDGET = "time_budget"
 """The attribute that holds an `Allotment`, in comparisons whose budget is time."""
+
+
+PROCESSORS = "processors"
+"""The attribute that lists the kinds of processors that runs were computed on."""
 
 
 class Allotment(TypedDict):
@@ -52,28 +50,32 @@ class Variable(NamedTuple):
     units: str = "1"
 
 
-_CELL = ("scenario", "algorithm")
-_RUN = (*_CELL, "run")
-_NUMBERED = ("run", "iteration", "variable", "sample")
+CELL = ("scenario", "algorithm")
+RUN = (*CELL, "run")
+NUMBERED = ("run", "iteration", "step", "variable", "sample")
+"""Dimensions of a cell and of a run, and those whose labels are numbers."""
 
 VARIABLES: dict[str, Variable] = {
-    "fitness": Variable(_RUN, np.float64, "best fitness, re-evaluated in float64 (Eq. 21)"),
-    "terms": Variable((*_RUN, "term"), np.float64, "terms f1 … f6 of the best candidate"),
-    "collisions": Variable(_RUN, np.int64, "contacts n_p of the best candidate"),
-    "violations": Variable(_RUN, np.int64, "violated limits n_g of the best candidate"),
-    "x": Variable((*_RUN, "variable"), np.float64, "best decision vector (waypoints)", "m"),
-    "history": Variable((*_RUN, "iteration"), np.float32, "best fitness so far"),
+    "fitness": Variable(RUN, np.float64, "best fitness, re-evaluated in float64 (Eq. 21)"),
+    "terms": Variable((*RUN, "term"), np.float64, "terms f1 … f6 of the best candidate"),
+    "collisions": Variable(RUN, np.int64, "contacts n_p of the best candidate"),
+    "violations": Variable(RUN, np.int64, "violated limits n_g of the best candidate"),
+    "x": Variable((*RUN, "variable"), np.float64, "best decision vector (waypoints)", "m"),
+    "history": Variable((*RUN, "iteration"), np.float32, "best fitness so far"),
+    "history_best": Variable(
+        (*CELL, "step"), np.float32, "best fitness so far of the best run, after every iteration"
+    ),
     "position": Variable(
-        (*_CELL, "sample", "axis"), np.float64, "trajectory of the best run's load", "m"
+        (*CELL, "sample", "axis"), np.float64, "trajectory of the best run's load", "m"
     ),
     "curvature_radius": Variable(
-        _CELL, np.float64, "median of 1/curvature over the best run's interior samples", "m"
+        CELL, np.float64, "median of 1/curvature over the best run's interior samples", "m"
     ),
-    "evaluations": Variable(_CELL, np.int64, "fitness evaluations per run"),
-    "evaluations_initial": Variable(_CELL, np.int64, "of these, before the first iteration"),
-    "evaluations_polish": Variable(_CELL, np.int64, "of these, after the last iteration"),
-    "stability_acted": Variable(_RUN, np.float64, "share of beetles that Eq. 19 acted on"),
-    "stability_kept": Variable(_RUN, np.float64, "share of beetles that Eq. 19 improved"),
+    "evaluations": Variable(CELL, np.int64, "fitness evaluations per run"),
+    "evaluations_initial": Variable(CELL, np.int64, "of these, before the first iteration"),
+    "evaluations_polish": Variable(CELL, np.int64, "of these, after the last iteration"),
+    "stability_acted": Variable(RUN, np.float64, "share of beetles that Eq. 19 acted on"),
+    "stability_kept": Variable(RUN, np.float64, "share of beetles that Eq. 19 improved"),
     "obstacles": Variable(("scenario",), np.int64, "number of obstacles"),
     "unit_length": Variable(("scenario",), np.float64, "unit of length of the fitness", "m"),
     "unit_mass": Variable(("scenario",), np.float64, "unit of mass of the fitness", "kg"),
@@ -91,7 +93,7 @@ SUMMED = ("seconds_run", "seconds_compile")
 LOWEST = ("best_known",)
 """Variables of which the lowest value that is there holds."""
 
-OF_THE_BEST_RUN = ("position", "curvature_radius")
+OF_THE_BEST_RUN = ("position", "curvature_radius", "history_best")
 """Variables that tell of the best run of a cell."""
 
 
@@ -99,7 +101,7 @@ def assemble(coords: Mapping[str, Any], values: Mapping[str, np.ndarray]) -> xr.
     """A dataset of the one layout.
 
     Args:
-        coords: labels of scenario, algorithm, run, iteration, variable, sample.
+        coords: labels of scenario, algorithm, run, iteration, step, variable, sample.
         values: arrays by the names of `VARIABLES`, shaped accordingly.
     """
     labels = {**coords, "term": list(TERMS), "axis": ["x", "y", "z"]}
@@ -116,6 +118,13 @@ def assemble(coords: Mapping[str, Any], values: Mapping[str, np.ndarray]) -> xr.
     )
 
 
+def thinned(iterations: int, most: int | None) -> list[int]:
+    """Iterations 1 … T, or at most so many of them, evenly spaced; first and last always."""
+    if most is None or iterations <= most:
+        return list(range(1, iterations + 1))
+    return np.unique(np.linspace(1, iterations, most).round().astype(int)).tolist()
+
+
 def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
     """Put datasets of one comparison together.
 
@@ -124,8 +133,8 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
     Raises:
         InputError: two of them hold the same run of the same algorithm on the same scenario.
     """
-    coords = {dim: _union(unit[dim].values for unit in units) for dim in _CELL}
-    coords |= {dim: sorted(_union(unit[dim].values for unit in units)) for dim in _NUMBERED}
+    coords = {dim: _union(unit[dim].values for unit in units) for dim in CELL}
+    coords |= {dim: sorted(_union(unit[dim].values for unit in units)) for dim in NUMBERED}
     sizes = {**{dim: len(labels) for dim, labels in coords.items()}, "term": len(TERMS), "axis": 3}
     values = {
         name: np.full(
@@ -140,7 +149,7 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
         place = {
             dim: [coords[dim].index(label) for label in unit[dim].values.tolist()] for dim in coords
         }
-        there = unit["fitness"].transpose(*_RUN).notnull()
+        there = unit["fitness"].transpose(*RUN).notnull()
         _refuse_overlap(values["fitness"], there, place)
         leads = _leads(best, unit, place)
         for name, variable in VARIABLES.items():
@@ -155,16 +164,16 @@ def merge(units: Sequence[xr.Dataset]) -> xr.Dataset:
             if name in OF_THE_BEST_RUN:
                 told = leads
             else:
-                told = there.any([dim for dim in _RUN if dim not in variable.dims]).values
+                told = there.any([dim for dim in RUN if dim not in variable.dims]).values
             told = told.reshape(told.shape + (1,) * (given.ndim - told.ndim))
             values[name][where] = np.where(told, given, values[name][where])
     return assemble(coords, values).assign_attrs(_united_attributes(units))
 
 
 def _refuse_overlap(fitness: np.ndarray, there: xr.DataArray, place: dict[str, list[int]]) -> None:
-    twice = there & ~np.isnan(fitness[np.ix_(*(place[dim] for dim in _RUN))])
+    twice = there & ~np.isnan(fitness[np.ix_(*(place[dim] for dim in RUN))])
     if twice.any():
-        runs = twice["run"].values[twice.any(_CELL).values].tolist()
+        runs = twice["run"].values[twice.any(CELL).values].tolist()
         names = twice["algorithm"].values[twice.any(("scenario", "run")).values].tolist()
         raise InputError(
             f"run = {runs} of {', '.join(names)} is there twice; append runs with other numbers"
@@ -173,8 +182,8 @@ def _refuse_overlap(fitness: np.ndarray, there: xr.DataArray, place: dict[str, l
 
 def _leads(best: np.ndarray, unit: xr.Dataset, place: dict[str, list[int]]) -> np.ndarray:
     """Where a unit has the best run so far, (scenario, algorithm); updates `best`."""
-    cells = np.ix_(*(place[dim] for dim in _CELL))
-    found = unit["fitness"].transpose(*_RUN).min("run").values  # NaN only where there is no run
+    cells = np.ix_(*(place[dim] for dim in CELL))
+    found = unit["fitness"].transpose(*RUN).min("run").values  # NaN only where there is no run
     leads = (found < best[cells]) | (np.isnan(best[cells]) & ~np.isnan(found))
     best[cells] = np.fmin(found, best[cells])
     return leads
@@ -193,7 +202,14 @@ def _united_attributes(units: Sequence[xr.Dataset]) -> dict[str, Any]:
         for unit in units:
             united |= json.loads(unit.attrs.get("coefficients", "{}"))
         attributes["coefficients"] = json.dumps(united)
+    if kinds := {kind for unit in units for kind in processors(unit)}:
+        attributes[PROCESSORS] = json.dumps(sorted(kinds))
     return attributes
+
+
+def processors(ds: xr.Dataset) -> list[str]:
+    """Kinds of processors that runs were computed on: between two of them rounding differs."""
+    return json.loads(ds.attrs.get(PROCESSORS, "[]"))
 
 
 def _union(labels: Iterable[np.ndarray]) -> list:
@@ -276,57 +292,3 @@ def provenance() -> dict[str, str]:
         "machine": json.dumps(machine),
         "created": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
     }
-
-
-def save_results(ds: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF-4, atomically; its folder is created where missing.
-
-    Raises:
-        InputError: the place cannot be written.
-    """
-    write_netcdf(ds, path)
-
-
-def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Read a saved dataset into memory, exactly as it was saved.
-
-    What files of earlier versions do not hold is added, see `comparison.earlier`.
-
-    Raises:
-        InputError: the file is missing, no NetCDF-4, damaged, or not a comparison of this layout.
-    """
-    path, remedy = Path(path), "give a file that `jaxsusp compare` wrote"
-    if not path.is_file():
-        raise InputError(f"{path}: no such file; {remedy}, such as results/compare.nc")
-    try:
-        with h5py.File(path, "r") as file:
-            dict(file.attrs)  # where this fails, h5netcdf would also print a traceback
-        with xr.open_dataset(path, engine="h5netcdf", phony_dims="access") as stored:
-            ds = stored.load()
-    except Exception as error:  # a damaged file can raise anything
-        raise InputError(f"{path}: cannot be read as NetCDF-4 ({error}); {remedy}") from error
-    if wrong := _not_this_layout(ds):
-        raise InputError(f"{path}: is not a comparison ({wrong}); {remedy}")
-    ds = brought_up_to_date(ds)
-    values = {name: ds[name].values for name in VARIABLES}
-    return assemble({dim: ds[dim].values for dim in (*_CELL, *_NUMBERED)}, values).assign_attrs(
-        ds.attrs
-    )
-
-
-def _not_this_layout(ds: xr.Dataset) -> str:
-    """What is missing or wrong, "" if nothing is."""
-    for name, variable in VARIABLES.items():
-        if name in ADDED and name not in ds:
-            continue
-        if name not in ds or ds[name].dims != variable.dims:
-            return f"it has no {name} with dimensions {', '.join(variable.dims)}"
-    for dim in (*_CELL, *_NUMBERED):
-        if dim not in ds.coords:
-            return f"{dim} has no labels"
-    for name in JSON_ATTRIBUTES:
-        try:
-            json.loads(ds.attrs[name])
-        except (KeyError, TypeError, ValueError):
-            return f"attribute {name} is missing or broken"
-    return ""

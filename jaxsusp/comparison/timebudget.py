@@ -14,20 +14,14 @@ from jaxsusp.comparison.workunit import Unit
 
 
 def allot(
-    units: Sequence[Unit],
-    runs: int,
-    seed: int,
-    finished: Sequence[xr.Dataset],
-    told: Callable[[Unit], None],
+    units: Sequence[Unit], finished: Sequence[xr.Dataset], timed: Callable[[Unit], float]
 ) -> tuple[list[Unit], Allotment]:
     """Units with as many iterations as the time allows, at least one.
 
     Args:
         units: all units with the iterations asked for, which the slowest algorithm keeps.
-        runs: number of runs, which share the batch that is timed.
-        seed: root of all randomness.
         finished: what is there of the comparison; its time and iterations stay as they are.
-        told: called with a unit before it is compiled and timed.
+        timed: seconds of an iteration of one run of a unit on all its scenarios.
     """
     allotted: Allotment = {"seconds": 0.0, "iterations": {}}
     for ds in finished:
@@ -38,8 +32,7 @@ def allot(
     for unit in units:
         name = unit.optimizer.name
         if name not in allotted["iterations"]:
-            told(unit)
-            pace[name] = pace.get(name, 0.0) + unit.time_iteration(seed, runs) / runs
+            pace[name] = pace.get(name, 0.0) + timed(unit)
     if not finished:
         allotted["seconds"] = max(pace.values()) * units[0].iterations
     for name, seconds in pace.items():

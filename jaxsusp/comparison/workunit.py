@@ -4,6 +4,7 @@ A unit is one compiled program, and what is saved and resumed. The search runs i
 number that is reported is re-evaluated in float64.
 """
 
+import json
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.errors import InputError
 from jaxsusp.optim.base import Optimizer
 from jaxsusp.optim.batch import Outcome, run_batch, time_iteration
+from jaxsusp.optim.devices import instruction_set
 from jaxsusp.optim.loop import Evaluations, count_evaluations, require_begun
 from jaxsusp.optim.polish import EVALUATIONS, polish_batch
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
@@ -189,12 +191,21 @@ class Unit(NamedTuple):
             self._room,
         )
 
-    def compute(self, seed: int, runs: Sequence[int], report: Callable[[int], None]) -> xr.Dataset:
+    def compute(
+        self,
+        seed: int,
+        runs: Sequence[int],
+        lanes: int = 0,
+        most_kept: int | None = None,
+        report: Callable[[int], None] | None = None,
+    ) -> xr.Dataset:
         """Run it and describe the outcome.
 
         Args:
             seed: root of all randomness.
             runs: indices of the runs.
+            lanes: see `run_batch`.
+            most_kept: iterations of every history that are kept, evenly spaced; None: all.
             report: called with the number of finished iterations.
         """
         outcome = run_batch(
@@ -206,12 +217,14 @@ class Unit(NamedTuple):
             self.population,
             report,
             self._room,
+            lanes,
         )
         if self.polish:
             outcome = polish_batch(self.group.problems, outcome)
-        return self._describe(outcome, runs)
+        found = self._describe(outcome, runs, dataset.thinned(self.iterations, most_kept))
+        return found.assign_attrs({dataset.PROCESSORS: json.dumps([instruction_set()])})
 
-    def _describe(self, outcome: Outcome, runs: Sequence[int]) -> xr.Dataset:
+    def _describe(self, outcome: Outcome, runs: Sequence[int], kept: Sequence[int]) -> xr.Dataset:
         suspension = self.group.problems.fitness
         assert isinstance(suspension, Suspension)
         found = evaluate_exactly(suspension, outcome.x)
@@ -227,7 +240,8 @@ class Unit(NamedTuple):
             "collisions": found.terms.collisions,
             "violations": found.terms.violations,
             "x": _places(outcome.x, frames),
-            "history": outcome.history,
+            "history": outcome.history[..., np.asarray(kept) - 1],
+            "history_best": outcome.history[range(len(frames)), found.fitness.argmin(axis=1)],
             "stability_acted": getattr(outcome.info, "acted", nothing),
             "stability_kept": getattr(outcome.info, "kept", nothing),
             "position": _places(found.position, frames),
@@ -259,7 +273,8 @@ class Unit(NamedTuple):
                 "scenario": self.group.names,
                 "algorithm": [self.optimizer.name],
                 "run": list(runs),
-                "iteration": range(1, self.iterations + 1),
+                "iteration": kept,
+                "step": range(1, self.iterations + 1),
                 "variable": range(outcome.x.shape[-1]),
                 "sample": range(suspension.samples),
             },
@@ -300,9 +315,23 @@ def evaluate_exactly(suspension: Suspension, x: np.ndarray) -> Exact:
         return Exact(fitness, terms, np.asarray(position), np.median(radius, axis=1))
 
 
+TOGETHER = 8
+"""Runs that are re-evaluated at a time: always so many, so that a run's last digits do not depend
+on how many share its chunk."""
+
+
 @jax.jit
 def _terms(suspension: Suspension, x) -> FitnessTerms:
-    return jax.vmap(lambda suspension, x: suspension.terms(x.T))(suspension, x)
+    """Terms (S, R) of decision vectors (S, R, D)."""
+    runs = x.shape[1]
+    padded = jnp.concatenate([x, jnp.repeat(x[:, -1:], -runs % TOGETHER, axis=1)], axis=1)
+    blocks = jnp.moveaxis(padded.reshape(len(x), -1, TOGETHER, x.shape[2]), 1, 0)
+
+    def one_block(block) -> FitnessTerms:
+        return jax.vmap(lambda suspension, x: suspension.terms(x.T))(suspension, block)
+
+    terms = jax.lax.map(one_block, blocks)  # (blocks, S, TOGETHER)
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, 0, 1).reshape(len(x), -1)[:, :runs], terms)
 
 
 @jax.jit

@@ -28,6 +28,11 @@ CHUNKS = 20
 """Parts in which a run is advanced, each reported to the progress callback."""
 
 
+LEAST = 2
+"""Runs of a device at least, if need be one of them twice: XLA rounds the arithmetic of a single
+run in its own way, and a run is the same in whatever batch it is computed."""
+
+
 class Outcome(NamedTuple):
     """What a batch found, host arrays with leading axes (scenario, run)."""
 
@@ -48,6 +53,7 @@ def run_batch(
     population: int,
     report: Callable[[int], None] | None = None,
     room: int = 0,
+    lanes: int = 0,
 ) -> Outcome:
     """Minimise stacked problems, several independent runs each, in one compiled program.
 
@@ -61,13 +67,14 @@ def run_batch(
         report: called with the number of finished iterations after every chunk.
         room: iterations that the program has room for, at least those that are made: runs of
             different lengths with equal room share what takes long to compile.
+        lanes: runs that the program has room for, at least those that are made: likewise.
 
     Returns:
         An `Outcome`; compilation (none if the program is at hand) and computation timed apart.
     """
     clock = time.perf_counter()
     sizes = population, iterations, max(iterations, room)
-    with _launched(problems, optimizer, seed, runs, *sizes) as (go, progress):
+    with _launched(problems, optimizer, seed, runs, *sizes, lanes) as (go, progress):
         seconds_compile = time.perf_counter() - clock
         clock = time.perf_counter()
         for first, stop in itertools.pairwise(_stops(iterations)):
@@ -86,6 +93,7 @@ def time_iteration(
     iterations: int,
     population: int,
     room: int = 0,
+    lanes: int = 0,
 ) -> float:
     """Seconds that one iteration of a batch takes on this machine, compilation not included.
 
@@ -93,7 +101,7 @@ def time_iteration(
     machine does can only delay. Arguments are those of `run_batch`.
     """
     sizes = population, iterations, max(iterations, room)
-    with _launched(problems, optimizer, seed, runs, *sizes) as (go, progress):
+    with _launched(problems, optimizer, seed, runs, *sizes, lanes) as (go, progress):
         seconds = []
         for first, stop in itertools.pairwise(_stops(iterations)[:4]):
             clock = time.perf_counter()
@@ -117,12 +125,15 @@ def _launched(
     population: int,
     iterations: int,
     room: int,
+    lanes: int,
 ) -> Iterator[tuple[Callable[[Progress, int, int], Progress], Progress]]:
     """Compile a batch and begin it: `go(progress, first, stop)` advances it, and waits."""
     dtype = problems.lower.dtype
     with jax.enable_x64(dtype == np.float64):
-        devices = jax.devices()[: len(runs)]
-        padded = [*runs, *[runs[-1]] * (-len(runs) % len(devices))]
+        wanted = max(lanes, len(runs))
+        devices = jax.devices()[:wanted]
+        each = max(LEAST, -(-wanted // len(devices)))
+        padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         arguments = (jax.tree.map(jnp.asarray, problems), optimizer, keys)
         start, advance_all = _programs(tuple(devices), population, iterations, room)

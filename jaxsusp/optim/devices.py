@@ -64,7 +64,7 @@ def _keep_programs() -> None:
     own = getattr(jax.config, "jax_compilation_cache_dir", None)
     if all_kept is None or own is not None:
         return
-    folder = all_kept / f"jax-{jax.__version__}-{version('jaxlib')}-{_machine()}"
+    folder = all_kept / f"jax-{jax.__version__}-{version('jaxlib')}-{instruction_set()}"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     there = folder.stat()
     if there.st_uid != os.getuid() or there.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
@@ -80,7 +80,7 @@ def _has_wide_vectors() -> bool:
     return "avx512f" in _cpu_features()
 
 
-def _machine() -> str:
+def instruction_set() -> str:
     """Short name of this kind of machine: compiled programs run where the CPU has the features."""
     features = " ".join(sorted(_cpu_features()))
     return f"{platform.machine()}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"

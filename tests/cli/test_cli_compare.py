@@ -17,7 +17,7 @@ import jaxsusp as js
 from jaxsusp.comparison import compare as comparison
 from jaxsusp.comparison import dataset as results
 from jaxsusp.comparison import workunit
-from jaxsusp.comparison.store import FILE, PARTS
+from jaxsusp.comparison.kept.store import FILE, PARTS
 from jaxsusp.report.browser import results as webpage
 from jaxsusp.report.comparison import folder
 from jaxsusp.report.comparison.folder import write_report

@@ -15,14 +15,16 @@ def fake(monkeypatch):
     """Replace the search by one that costs nothing; lists (algorithm, runs) of every batch."""
     batches = []
 
-    def run_batch(problems, optimizer, seed, runs, iterations, population, report, room):
+    def run_batch(problems, optimizer, seed, runs, iterations, population, report, room, lanes):
         assert room >= iterations
+        assert lanes >= len(runs)
         batches.append((optimizer.name, list(runs)))
         shape = (len(problems.lower), len(runs))
         rng = [np.random.default_rng([seed, len(optimizer.name), run]) for run in runs]
         unit = np.stack([each.random(problems.lower.shape) for each in rng], axis=1)
         lower, upper = problems.lower[:, None], problems.upper[:, None]
-        report(iterations)
+        if report is not None:
+            report(iterations)
         return Outcome(
             (lower + (upper - lower) * unit).astype(np.float32),
             np.full(shape, 1.0, np.float32),

@@ -10,7 +10,7 @@ from small import SMALL, again, interrupt_after, thrifty
 import jaxsusp as js
 from jaxsusp.comparison import dataset as results
 from jaxsusp.comparison import workunit
-from jaxsusp.comparison.store import FILE
+from jaxsusp.comparison.kept.store import FILE
 from jaxsusp.optim.polish import EVALUATIONS
 
 

@@ -12,7 +12,7 @@ from small import SCENARIOS, SMALL, assert_same_numbers, contents, interrupt_aft
 import jaxsusp as js
 from jaxsusp.comparison import dataset as results
 from jaxsusp.comparison import workunit
-from jaxsusp.comparison.store import FILE, PARTS
+from jaxsusp.comparison.kept.store import FILE, PARTS
 
 ALGORITHMS = ("ga", "sdbo")
 REAL = {"runs": 4, "iterations": 40, "population": 30}  # some other tests share these programs
@@ -29,7 +29,8 @@ def two() -> xr.Dataset:
 
 def test_dataset_has_the_documented_layout(two):
     assert dict(two.sizes) == {
-        "scenario": 2, "algorithm": 2, "run": 4, "iteration": 40, "variable": 15, "sample": 40,
+        "scenario": 2, "algorithm": 2, "run": 4, "iteration": 40, "step": 40, "variable": 15,
+        "sample": 40,
         "term": 6, "axis": 3,
     }  # fmt: skip
     assert two["scenario"].values.tolist() == list(SCENARIOS)

@@ -16,10 +16,9 @@ from jaxsusp.comparison.dataset import (
     VARIABLES,
     append_results,
     assemble,
-    load_results,
     merge,
-    save_results,
 )
+from jaxsusp.comparison.kept.files import load_results, save_results
 
 SETTINGS = {"seed": 0, "iterations": 3, "polish": False, "scenarios": {"s": "digest"}}
 
@@ -31,6 +30,7 @@ def made(algorithm="pso", runs=(0, 1), iterations=3, scenario="s", fitness=None,
         "algorithm": [algorithm],
         "run": list(runs),
         "iteration": range(1, iterations + 1),
+        "step": range(1, iterations + 1),
         "variable": range(2),
         "sample": range(4),
     }
@@ -88,7 +88,7 @@ def test_units_come_together_with_gaps_where_nothing_ran():
     assert ds["history"].sel(algorithm="pso", run=0).notnull().values.tolist() == [[1, 1, 0, 0]]
     assert (ds["collisions"].sel(algorithm="pso", run=2) == 0).all()
     for unit in (short, long):
-        labels = {dim: unit[dim] for dim in ("scenario", "algorithm", "run", "iteration")}
+        labels = {dim: unit[dim] for dim in ("scenario", "algorithm", "run", "iteration", "step")}
         xr.testing.assert_equal(ds.sel(labels), unit)
     for name, variable in VARIABLES.items():
         assert ds[name].dtype == variable.dtype

@@ -9,7 +9,7 @@ from small import SCENARIOS, SMALL, again, assert_same_numbers, contents, interr
 
 import jaxsusp as js
 from jaxsusp.comparison import dataset as results
-from jaxsusp.comparison.store import FILE, PARTS
+from jaxsusp.comparison.kept.store import FILE, PARTS
 
 
 def test_further_runs_are_the_only_ones_computed(tmp_path):

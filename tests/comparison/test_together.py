@@ -6,7 +6,7 @@ import pytest
 from small import assert_same_numbers
 
 import jaxsusp as js
-from jaxsusp.comparison.together import load_together
+from jaxsusp.comparison.kept.together import load_together
 from jaxsusp.errors import InputError
 
 WRITTEN = "tests/files/compare-0.1.0.nc"

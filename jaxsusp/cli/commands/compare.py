@@ -19,15 +19,21 @@ from jaxsusp.cli.options import (
     Population,
     Runs,
     Samples,
+    Scheduler,
     Search,
     Seed,
+    TlsCa,
+    TlsCert,
+    TlsKey,
     Waypoints,
+    Workers,
     count,
     flag,
     names,
     require_choices,
 )
-from jaxsusp.comparison.choices import BUDGETS, FILE
+from jaxsusp.cluster.choices import Place
+from jaxsusp.comparison.choices import BUDGETS, FILE, MANIFEST
 from jaxsusp.errors import require, require_known
 from jaxsusp.optim.choices import ALGORITHMS, PUBLISHED
 from jaxsusp.scenario.builtin import scenarios as built_in
@@ -91,6 +97,15 @@ def compare(
         bool,
         flag("--resume", "Go on from what is in the output folder; also adds runs."),
     ] = False,
+    chunk: Annotated[
+        int | None,
+        count("Runs that are computed and kept at a time; 250, or a two-hundredth of all."),
+    ] = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    tls_ca: TlsCa = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
     gap: Gap = False,
     as_json: Json = False,
 ) -> None:
@@ -100,12 +115,14 @@ def compare(
     named = [*ALGORITHMS] if algorithms == "all" else names("algorithms", algorithms)
     require_choices(chosen, named, search)
     require_known("budget", budget, BUDGETS)
+    place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
+    place.require_sense()
 
     from rich.console import Console
 
     from jaxsusp.cli.progress import ProgressBar
     from jaxsusp.comparison import compare as comparison
-    from jaxsusp.comparison.store import stored_scenarios
+    from jaxsusp.comparison.kept.store import stored_scenarios
     from jaxsusp.optim import devices
     from jaxsusp.studies.random_scenario import random_scenarios
 
@@ -121,7 +138,8 @@ def compare(
             ds = comparison.compare(
                 [*chosen, *drawn], named, runs, iterations, population, seed,
                 budget=budget, polish=polish, search=search, waypoints=waypoints,
-                samples=samples, output=output, resume=resume, progress=bar.told,
+                samples=samples, output=output, resume=resume, chunk=chunk, workers=place,
+                progress=bar.told,
             )  # fmt: skip
         except KeyboardInterrupt:
             interrupted(
@@ -130,10 +148,10 @@ def compare(
                 if bar.kept
                 else "no algorithm had finished; nothing was written."
             )
+    file = output / (MANIFEST if (output / MANIFEST).exists() else FILE)
     try:
-        _report(ds, [output / FILE], output, gap, as_json)
+        _report(ds, [file], output, gap, as_json)
     except KeyboardInterrupt:
-        file = output / FILE
         interrupted(f"the comparison is complete; `jaxsusp report {file}` writes its report.")
 
 
@@ -154,11 +172,11 @@ def report(
 ) -> None:
     """Write the tables and figures of saved comparisons again, or one page with all of it."""
     for place in results:
-        file = place / FILE
+        file = place / (MANIFEST if (place / MANIFEST).exists() else FILE)
         remedy = f"give {file}" if file.exists() else f"give a {FILE} that `jaxsusp compare` wrote"
         require(not place.is_dir(), f"{place}: is a folder, not a file; {remedy}")
 
-    from jaxsusp.comparison.together import load_together
+    from jaxsusp.comparison.kept.together import load_together
     from jaxsusp.optim import devices
 
     devices.configure()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jaxsusp.comparison.dataset import load_results
+from jaxsusp.comparison.kept.files import load_results
 from jaxsusp.errors import InputError, ScenarioError, require
 from jaxsusp.freespace.build import free_space, known_free_space
 from jaxsusp.freespace.space import FreeSpace, load_free_space

@@ -13,6 +13,8 @@ def brought_up_to_date(ds: xr.Dataset) -> xr.Dataset:
     settings = json.loads(ds.attrs["settings"])
     if SETTINGS.keys() - settings.keys():
         ds = ds.assign_attrs(settings=json.dumps({**SETTINGS, **settings}))
+    if "step" not in ds.coords:
+        ds = ds.assign_coords(step=ds["iteration"].values)
     return ds.assign({name: found(ds) for name, found in ADDED.items() if name not in ds})
 
 
@@ -39,12 +41,19 @@ def _evaluations_polish(ds: xr.Dataset) -> xr.DataArray:
     return xr.zeros_like(ds["evaluations"])
 
 
+def _history_best(ds: xr.Dataset) -> xr.DataArray:
+    """Of the run with the lowest fitness, the first of equals."""
+    best = ds["fitness"].fillna(np.inf).argmin("run")
+    return ds["history"].isel(run=best).rename(iteration="step").drop_vars("run")
+
+
 def _unit(ds: xr.Dataset) -> xr.DataArray:
     """That of the world: the fitness was formed in SI units."""
     return xr.ones_like(ds["obstacles"], np.float64)
 
 
 ADDED = {
+    "history_best": _history_best,
     "unit_length": _unit,
     "unit_mass": _unit,
     "best_known": _best_known,

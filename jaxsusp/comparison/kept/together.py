@@ -6,7 +6,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from jaxsusp.comparison.dataset import append_results, load_results
+from jaxsusp.comparison.dataset import append_results
+from jaxsusp.comparison.kept.files import load_results
 from jaxsusp.errors import InputError, require
 
 

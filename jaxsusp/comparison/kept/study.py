@@ -1,0 +1,205 @@
+"""A long study: a file for every chunk of runs, and a manifest that lists them.
+
+The dataset has the layout of any other comparison. What belongs to cells is in memory, and the
+fitness; everything else that belongs to runs is read, chunk by chunk, when it is asked for.
+"""
+
+import json
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import dask
+import dask.array as da
+import h5py
+import numpy as np
+import xarray as xr
+
+from jaxsusp._files import write_text
+from jaxsusp.comparison.choices import PARTS
+from jaxsusp.comparison.dataset import RUN, VARIABLES, merge
+from jaxsusp.errors import InputError
+
+LAYOUT = 1
+
+
+class Part(NamedTuple):
+    """A file of the study, as the manifest has it."""
+
+    file: str  # in the folder of parts
+    algorithm: str
+    scenarios: list[str]
+    runs: list[list[int]]  # first and last of every stretch
+    bytes: int
+
+
+class Manifest(NamedTuple):
+    """What there is of a study."""
+
+    attributes: dict[str, Any]
+    parts: list[Part]
+    complete: bool
+
+
+def part_of(ds: xr.Dataset, file: Path) -> Part:
+    """The entry of a chunk that was saved."""
+    (algorithm,) = ds["algorithm"].values.tolist()
+    stretches = _stretches(ds["run"].values.tolist())
+    return Part(
+        file.name, algorithm, ds["scenario"].values.tolist(), stretches, file.stat().st_size
+    )
+
+
+def _stretches(runs: Sequence[int]) -> list[list[int]]:
+    found = []
+    for _, group in groupby(enumerate(sorted(runs)), lambda pair: pair[1] - pair[0]):
+        members = [run for _, run in group]
+        found.append([members[0], members[-1]])
+    return found
+
+
+def write_manifest(path: Path, manifest: Manifest) -> None:
+    """Write it atomically, a line for every file."""
+    head = {"layout": LAYOUT, "complete": manifest.complete, "attributes": manifest.attributes}
+    lines = ",\n".join(json.dumps(part._asdict()) for part in manifest.parts)
+    write_text(path, f'{json.dumps(head)[:-1]}, "parts": [\n{lines}\n]}}\n')
+
+
+def read_manifest(path: Path) -> Manifest:
+    """Read it.
+
+    Raises:
+        InputError: it is missing, damaged or of another layout.
+    """
+    remedy = "give the compare.json that `jaxsusp compare` wrote, with its folder compare.parts"
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if content["layout"] != LAYOUT:
+            raise InputError(f"{path}: is of layout {content['layout']}, not {LAYOUT}; {remedy}")
+        parts = [Part(**part) for part in content["parts"]]
+        return Manifest(content["attributes"], parts, bool(content["complete"]))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; {remedy}") from None
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: cannot be read as a manifest ({error}); {remedy}") from error
+
+
+def open_study(path: Path) -> xr.Dataset:
+    """The dataset of a study, complete or not, without reading what belongs to runs.
+
+    Args:
+        path: its manifest.
+
+    Raises:
+        InputError: the manifest or a part is missing or damaged, or nothing has finished yet.
+    """
+    manifest = read_manifest(path)
+    if not manifest.parts:
+        raise InputError(f"{path}: nothing of this study has finished yet; go on with --resume")
+    files = [_whole(path.parent / PARTS / part.file, part) for part in manifest.parts]
+    heads = [_head(file) for file in files]
+    small = merge(heads)
+    runs = sorted({run for part in manifest.parts for a, b in part.runs for run in range(a, b + 1)})
+    sizes = {dim: small[dim].values for dim in small.dims} | {"run": np.array(runs)}
+    pieces = [_Piece(file, head, part) for file, head, part in zip(
+        files, heads, manifest.parts, strict=True
+    )]  # fmt: skip
+    lazy = {name: _assembled(name, pieces, sizes) for name in VARIABLES if _of_runs(name)}
+    lazy["fitness"] = lazy["fitness"].compute()
+    ds = small.drop_dims("run").assign_coords(run=runs)
+    ds = ds.assign({
+        name: (VARIABLES[name].dims, values, small[name].attrs) for name, values in lazy.items()
+    })  # fmt: skip
+    return ds[[*VARIABLES]].assign_attrs(small.attrs)
+
+
+def _of_runs(name: str) -> bool:
+    return "run" in VARIABLES[name].dims
+
+
+def _whole(file: Path, part: Part) -> Path:
+    """The file of a part, if it is there and as long as it was."""
+    remedy = "restore it, or go on with --resume, and its runs are computed again"
+    if not file.is_file():
+        raise InputError(f"{file}: no such file, but the study lists it; {remedy}")
+    if file.stat().st_size != part.bytes:
+        raise InputError(
+            f"{file}: has {file.stat().st_size} bytes instead of {part.bytes}; {remedy}"
+        )
+    return file
+
+
+def _head(file: Path) -> xr.Dataset:
+    """A part as if its best run were its only one: enough to tell what belongs to cells."""
+    with xr.open_dataset(file, engine="h5netcdf") as ds:
+        first = ds.isel(run=[0]).load()
+        best = ds["fitness"].min("run").expand_dims(run=first["run"], axis=2)
+        return first.assign(fitness=(RUN, best.values)).assign_attrs(ds.attrs)
+
+
+class _Piece(NamedTuple):
+    """A part with the labels of its dimensions."""
+
+    file: Path
+    head: xr.Dataset
+    part: Part
+
+    def labels(self, dim: str) -> np.ndarray:
+        """Labels along a dimension."""
+        if dim != "run":
+            return self.head[dim].values
+        return np.concatenate([np.arange(a, b + 1) for a, b in self.part.runs])
+
+    def array(self, name: str) -> da.Array:
+        """A variable that is read when it is needed."""
+        variable = VARIABLES[name]
+        shape = tuple(len(self.labels(dim)) for dim in variable.dims)
+        reading = dask.delayed(_read, pure=True)(str(self.file), name, variable.dtype)
+        return da.from_delayed(reading, shape, variable.dtype)
+
+
+def _read(file: str, name: str, dtype: type) -> np.ndarray:
+    with h5py.File(file, "r") as content:
+        return np.asarray(content[name][...], dtype)
+
+
+def _assembled(name: str, pieces: Iterable[_Piece], labels: dict[str, np.ndarray]) -> da.Array:
+    """A variable of all parts: runs after each other, then scenarios, then algorithms."""
+    dims = VARIABLES[name].dims
+    fill = np.nan if issubclass(VARIABLES[name].dtype, np.floating) else 0
+    rows = []
+    for algorithm in labels["algorithm"].tolist():
+        of_it = [piece for piece in pieces if piece.part.algorithm == algorithm]
+        groups = list(dict.fromkeys(tuple(piece.part.scenarios) for piece in of_it))
+        columns = []
+        for group in groups:
+            members = [piece for piece in of_it if tuple(piece.part.scenarios) == group]
+            arrays = []
+            for piece in members:
+                array = piece.array(name)
+                for axis, dim in enumerate(dims[3:], start=3):
+                    array = _placed(array, axis, piece.labels(dim), labels[dim], fill)
+                arrays.append(array)
+            runs = np.concatenate([piece.labels("run") for piece in members])
+            whole = da.concatenate(arrays, axis=2)
+            columns.append(_placed(whole, 2, runs, labels["run"], fill))
+        known = np.array([scenario for group in groups for scenario in group])
+        rows.append(_placed(da.concatenate(columns, axis=0), 0, known, labels["scenario"], fill))
+    return da.concatenate(rows, axis=1)
+
+
+def _placed(
+    array: da.Array, axis: int, labels: np.ndarray, wanted: np.ndarray, fill: float | int
+) -> da.Array:
+    """An array whose entries along an axis go where their labels are wanted; nothing elsewhere."""
+    if np.array_equal(labels, wanted):
+        return array
+    place = {label: i for i, label in enumerate(labels.tolist())}
+    index = np.array([place.get(label, len(labels)) for label in wanted.tolist()])
+    if (index == len(labels)).any():
+        shape = (*array.shape[:axis], 1, *array.shape[axis + 1 :])
+        array = da.concatenate([array, da.full(shape, fill, dtype=array.dtype)], axis=axis)
+    return da.take(array, index, axis=axis)
