@@ -11,7 +11,9 @@ the best few.
 # pyright: reportMissingImports=false
 import functools
 import inspect
+import warnings
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import version
 from typing import Any, NamedTuple
@@ -93,7 +95,7 @@ def _init(name: str, coefficients, key, problem: Problem, population: int) -> Ev
     x = problem.sample(key_sample, population)
     fitness = problem.evaluate(x)
     algorithm, params = _made(name, population, problem.dim, coefficients)
-    with _their_promotion():
+    with _their_ways():
         if isinstance(algorithm, PopulationBasedAlgorithm):
             theirs = algorithm.init(key_theirs, _measured(problem, x), fitness, params)
         else:
@@ -106,11 +108,11 @@ def _init(name: str, coefficients, key, problem: Problem, population: int) -> Ev
 def _step(name: str, coefficients, key, problem: Problem, state: EvosaxState):
     key_ask, key_tell = jax.random.split(key)
     algorithm, params = _made(name, len(state.fitness), problem.dim, coefficients)
-    with _their_promotion():
+    with _their_ways():
         candidates, theirs = algorithm.ask(key_ask, state.theirs, params)
     x = problem.repair(_placed(problem, candidates))
     fitness = problem.evaluate(x)
-    with _their_promotion():
+    with _their_ways():
         theirs, _ = algorithm.tell(key_tell, _measured(problem, x), fitness, theirs, params)
     theirs = jax.tree.map(lambda new, old: _strong(new, old.dtype), theirs, state.theirs)
     return EvosaxState(theirs, fitness, better(best_of(x, fitness), state.best)), NoInfo()
@@ -126,7 +128,16 @@ def _made(name: str, population: int, dim: int, coefficients):
 
 @functools.lru_cache(maxsize=64)  # evosax compiles for every instance of an algorithm anew
 def _instance(name: str, population: int, dim: int, dtype: str):
-    del dtype  # of the defaults
+    """An instance and its default coefficients, in the precision of the calling program.
+
+    It is made in a thread of its own, where no program is being traced: all of its arrays are
+    plain numbers that any program may use.
+    """
+    with ThreadPoolExecutor(1) as aside:
+        return aside.submit(_build, name, population, dim, dtype == "float64").result()
+
+
+def _build(name: str, population: int, dim: int, double: bool):
     made, options = registry[name], {}
     asked = inspect.signature(made).parameters
     if "sampling_fn" in asked:  # random search is told where
@@ -136,7 +147,7 @@ def _instance(name: str, population: int, dim: int, dtype: str):
         remedy = f"give a multiple of {CROWDS}, its populations"
         require(rest == 0, f"population of evosax:{name} = {population}: {remedy}")
         population //= CROWDS
-    with jax.ensure_compile_time_eval(), _their_promotion():
+    with jax.enable_x64(double), _their_ways():
         try:
             algorithm = made(population, solution=jnp.zeros(dim), **options)
         except AssertionError as error:  # what it asks of a population
@@ -168,7 +179,13 @@ def _strong(leaf: Any, dtype: Any = None) -> Array:
 
 
 @contextmanager
-def _their_promotion() -> Iterator[None]:
-    """What evosax counts on: JAX's usual promotion, which a program may have made strict."""
-    with jax.numpy_dtype_promotion("standard"), jax.numpy_rank_promotion("allow"):
+def _their_ways() -> Iterator[None]:
+    """What evosax counts on: JAX's usual promotion. What it is warned of is for its authors."""
+    with (
+        jax.numpy_dtype_promotion("standard"),
+        jax.numpy_rank_promotion("allow"),
+        warnings.catch_warnings(),
+    ):
+        warnings.filterwarnings("ignore", "Explicitly requested dtype", UserWarning)
+        warnings.filterwarnings("ignore", category=DeprecationWarning)
         yield
