@@ -8,8 +8,9 @@ import importlib
 import inspect
 from collections.abc import Callable
 from types import ModuleType
+from typing import Any
 
-from jaxsusp.errors import InputError
+from jaxsusp.errors import InputError, require
 from jaxsusp.optim import choices
 from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, Optimizer
 
@@ -36,8 +37,26 @@ def algorithm(choice: str | AnyOptimizer) -> AnyOptimizer:
     if isinstance(choice, Optimizer | HostOptimizer):
         return choice
     choices.require_algorithm(choice)
-    library, colon, name = choice.partition(":")
-    return _adapter(library).make(name) if colon else ALGORITHMS[choice]()
+    return peer(choice) if ":" in choice else ALGORITHMS[choice]()
+
+
+def peer(name: str, **coefficients: Any) -> AnyOptimizer:
+    """An algorithm of another library, with coefficients of its own in place of the defaults.
+
+    Args:
+        name: such as "evosax:CMA_ES" or "pymoo:GA"; `jaxsusp algorithms --peers` lists them.
+        **coefficients: by the names that the library has for them.
+
+    Returns:
+        An optimiser of that name, an `Optimizer` or a `HostOptimizer`.
+
+    Raises:
+        InputError: an unknown name or coefficient, or a library that is not installed.
+    """
+    library, colon, theirs = name.partition(":")
+    require(bool(colon), f'peer = "{name}": give a name such as "evosax:CMA_ES"')
+    choices.require_algorithm(name)
+    return _adapter(library).make(theirs, **coefficients)
 
 
 def peers() -> list[str]:
