@@ -65,7 +65,7 @@ def measured(asked: argparse.Namespace) -> dict[str, Any]:
     """Measure every peer on every scenario, with a line for each on the way."""
     import jax
 
-    from benchmarks.peers.measure import beside
+    from benchmarks.peers.measure import beside, clock_of
     from benchmarks.peers.task import Task
 
     load, there = os.getloadavg()[0], os.cpu_count()
@@ -74,7 +74,7 @@ def measured(asked: argparse.Namespace) -> dict[str, Any]:
     for scenario in asked.scenarios:
         task = Task.of(scenario, asked.runs, asked.iterations, asked.population)
         for peer in peers:
-            row = beside(peer, task, asked.repeats)
+            row = beside(peer, task, asked.repeats, clock_of(asked.cores))
             scenarios.setdefault(scenario, []).append(row)
             print(
                 f"{scenario}, {peer.library}:{peer.name}: {row['peer']['seconds']:.2f} s, "

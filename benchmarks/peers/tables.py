@@ -90,16 +90,16 @@ def caption(numbers: dict[str, Any]) -> str:
     versions = ", ".join(f"{name} {each}" for name, each in numbers["versions"].items())
     cores = "one core" if machine["cores"] == 1 else f"{machine['cores']} cores"
     others = (
-        f" Other work was on the machine (load {machine['load']:.1f}, {machine['there']} cores): "
-        "ratios bear that, seconds do not."
+        f" Other work was on the machine (load {machine['load']:.1f}, {machine['there']} cores)."
         if machine["load"] > 0.5
         else ""
     )
+    time = "the processor's" if machine["cores"] == 1 else "those on the wall"
     return (
         f"{chosen['runs']} runs of {chosen['iterations']} iterations of {chosen['population']} "
-        f"candidates on {cores} ({machine['processor']}), after compilation; the median of "
-        f"{chosen['repeats']} turns, each of ours and then the peer. The ratio is that of the "
-        f"peer's time to ours, the median of the turns' own.{others} Ours and evosax make all runs "
+        f"candidates on {cores} ({machine['processor']}), after compilation. Seconds are {time}, "
+        f"the median of {chosen['repeats']} turns, each of ours and then the peer; the ratio is that "
+        f"of the peer's to ours, the median of the turns' own.{others} Ours and evosax make all runs "
         "at once; the others, in NumPy or C++, make one after the other, as they are used, and "
         "call our compiled fitness for every population; those marked "
         f"{SINGLE} can only ask for one candidate at a time. Best and mean of the runs are our "

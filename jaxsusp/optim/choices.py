@@ -55,7 +55,7 @@ def require_algorithm(name: str, others: Iterable[str] = ()) -> None:
     if not colon and library not in PEERS:
         require_known("algorithm", name, [*ALGORITHMS, *others])
         return
-    require_known(f"library of algorithm = {name!r}: it", library, PEERS)
+    require_known(f'library of "{name}"', library, PEERS)
     if not colon:
         raise InputError(f'algorithm = "{name}" is a library; name one of its algorithms, such as '
                          f'"{name}:{PEERS[name]}"')  # fmt: skip
