@@ -1,17 +1,18 @@
-# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · bbob · reference · docs · dist · check
+# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · bench-peers · bbob · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 REFERENCE := .venv-reference
+PEERS := .venv-peers
 DOCS := .venv-docs
 
 # One CPU device per core: runs are sharded over devices, lanes are vectorised within each.
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench bbob reference docs dist dist-check
+.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench bench-peers bbob reference docs dist dist-check
 .PHONY: check format clean
 
 help:
@@ -23,6 +24,7 @@ help:
 	@echo "make studies    run what these data come from; what is kept already stays (its estimate first)"
 	@echo "make notebooks  execute the notebooks and keep their outputs; make lab opens JupyterLab"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
+	@echo "make bench-peers  the optimisers beside other libraries' on one fitness (own environment)"
 	@echo "make bbob       the optimisers on COCO's 24 functions, beside published ones (environment of reference)"
 	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake, COCO (own environment)"
 	@echo "make docs       the site, in site/ (own environment); every warning is an error"
@@ -45,6 +47,9 @@ $(VENV)/.current: pyproject.toml constraints.txt
 
 $(REFERENCE)/.current: pyproject.toml constraints.txt
 	$(call new_environment,$(REFERENCE),--group reference)
+
+$(PEERS)/.current: pyproject.toml constraints.txt
+	$(call new_environment,$(PEERS),--group peers)
 
 $(DOCS)/.current: pyproject.toml constraints.txt
 	$(call new_environment,$(DOCS),--group docs)
@@ -81,6 +86,9 @@ bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks
 	$(REFERENCE)/bin/python -m benchmarks.regions
 
+bench-peers: $(PEERS)/.current
+	$(PEERS)/bin/python -m benchmarks.peers
+
 bbob: $(REFERENCE)/.current
 	$(REFERENCE)/bin/python experiments/bbob.py --resume
 	MPLBACKEND=agg $(REFERENCE)/bin/python -m cocopp -o results/bbob/pages results/bbob/coco/*
@@ -112,4 +120,4 @@ format: setup
 	$(BIN)/ruff format .
 
 clean:
-	rm -rf $(VENV) $(REFERENCE) $(DOCS) build dist site .pytest_cache .ruff_cache
+	rm -rf $(VENV) $(REFERENCE) $(PEERS) $(DOCS) build dist site .pytest_cache .ruff_cache

@@ -49,6 +49,7 @@ from .problem.problem import Problem as Problem
 
 # optimisers
 from .optim.base import Optimizer as Optimizer
+from .optim.base import HostOptimizer as HostOptimizer
 from .optim.base import Best as Best
 from .optim.base import NoInfo as NoInfo
 from .optim.algorithms.pso import pso as pso
@@ -59,6 +60,7 @@ from .optim.algorithms.cmaes import cmaes as cmaes
 from .optim.algorithms.jde import jde as jde
 from .optim.algorithms.routed import routed as routed
 from .optim.registry import ALGORITHMS as ALGORITHMS
+from .optim.registry import peer as peer
 from .optim.minimize import minimize as minimize
 from .optim.minimize import Result as Result
 

@@ -52,8 +52,9 @@ def require_known(name: str, value: str, known: Iterable[str]) -> None:
     known = sorted(known)
     if value in known:
         return
-    near = difflib.get_close_matches(str(value), known, n=1)
-    hint = f'did you mean "{near[0]}"? ' if near else ""
+    spelt = {each.lower(): each for each in known}
+    near = difflib.get_close_matches(str(value).lower(), spelt, n=1)
+    hint = f'did you mean "{spelt[near[0]]}"? ' if near else ""
     raise InputError(f"{name} = {value!r} is not known; {hint}choose from {', '.join(known)}")
 
 

@@ -6,6 +6,7 @@ Texts are completed by Typer, which asks the functions here; nothing heavy is lo
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from jaxsusp.optim.choices import ALGORITHMS, installed
 from jaxsusp.scenario.builtin import examples, scenarios
 
 
@@ -13,6 +14,12 @@ def scenario_names(incomplete: str) -> list[str]:
     """Built-in scenarios that begin so, and TOML files and folders that do."""
     named = [name for name in (*scenarios(), *examples()) if name.startswith(incomplete)]
     return named + files(incomplete, ".toml")
+
+
+def algorithm_names(incomplete: str) -> list[str]:
+    """Algorithms that begin so, and the libraries whose own names follow."""
+    named = [*ALGORITHMS, *(f"{library}:" for library in installed())]
+    return [name for name in named if name.startswith(incomplete)]
 
 
 def files(incomplete: str, suffix: str) -> list[str]:

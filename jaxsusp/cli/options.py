@@ -12,7 +12,7 @@ import typer
 from jaxsusp._files import require_folder
 from jaxsusp.cli.completion import one_of, scenario_names
 from jaxsusp.errors import require, require_count, require_known, require_seed
-from jaxsusp.optim.choices import ALGORITHMS
+from jaxsusp.optim.choices import require_algorithm
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.scenario.builtin import find, read
 
@@ -124,5 +124,5 @@ def require_choices(
     for name in scenarios:
         read(find(name))
     for name in algorithms:
-        require_known("algorithm", name, ALGORITHMS)
+        require_algorithm(name)
     require_known("search", search, SEARCHES)

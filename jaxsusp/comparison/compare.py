@@ -26,7 +26,7 @@ from jaxsusp.errors import (
     require_label,
     require_seed,
 )
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.optim.registry import algorithms as algorithms_of
 from jaxsusp.problem.choices import SEARCHES
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 def compare(
     scenarios: str | Sequence[str | os.PathLike[str] | Scenario] = built_in(),
-    algorithms: str | Sequence[str | Optimizer] = PUBLISHED,
+    algorithms: str | Sequence[str | AnyOptimizer] = PUBLISHED,
     runs: int = 20,
     iterations: int = 500,
     population: int = 30,
@@ -60,7 +60,8 @@ def compare(
 
     Args:
         scenarios: built-in names, paths of scenario files, or scenarios.
-        algorithms: names (see `jaxsusp.ALGORITHMS`), "all" of them, or optimisers.
+        algorithms: names (see `jaxsusp.ALGORITHMS`), "all" of them, names of other libraries' (such
+            as "evosax:CMA_ES" or "pymoo:GA"), or optimisers.
         runs: independent runs of every algorithm on every scenario.
         iterations: iterations per run.
         population: candidates per iteration.
@@ -210,7 +211,7 @@ def _sorted(ds: xr.Dataset, scenarios: list[str], algorithms: list[str]) -> xr.D
     return ds.sel(scenario=scenarios, algorithm=[*algorithms, *others])
 
 
-def _optimizers(choices: str | Sequence[str | Optimizer]) -> list[Optimizer]:
+def _optimizers(choices: str | Sequence[str | AnyOptimizer]) -> list[AnyOptimizer]:
     """Optimisers with distinct names that can label the dataset."""
     optimizers = algorithms_of(choices)
     for optimizer in optimizers:
@@ -218,9 +219,13 @@ def _optimizers(choices: str | Sequence[str | Optimizer]) -> list[Optimizer]:
     return optimizers
 
 
-def _coefficients(optimizer: Optimizer) -> list:
-    """Numbers that an optimiser's name does not tell, to notice when they change."""
-    return [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(optimizer)]
+def _coefficients(optimizer: AnyOptimizer) -> list:
+    """What an optimiser's name does not tell, to notice when it changes.
+
+    Numbers, and behind them what an algorithm of another library is from.
+    """
+    numbers = [np.asarray(leaf).tolist() for leaf in jax.tree.leaves(optimizer)]
+    return [*numbers, optimizer.origin] if optimizer.origin else numbers
 
 
 def _distinct(choices: str | Sequence[str | os.PathLike[str] | Scenario]) -> list[Scenario]:

@@ -249,7 +249,7 @@ def different_settings(ds: xr.Dataset, more: xr.Dataset) -> str:
             )
     for name in one_algorithms.keys() & two_algorithms.keys():
         if one_algorithms[name] != two_algorithms[name]:
-            return f"the coefficients of {name}"
+            return _different_coefficients(name, one_algorithms[name], two_algorithms[name])
     return _different_time(time_allotted(ds), time_allotted(more))
 
 
@@ -258,6 +258,14 @@ def _different_scenarios(one: dict[str, str], two: dict[str, str]) -> str:
         return f"scenarios ({', '.join(one)} and {', '.join(two)})"
     changed = ", ".join(name for name in one if one[name] != two[name])
     return f"the content of scenarios ({changed})"
+
+
+def _different_coefficients(name: str, one: list, two: list) -> str:
+    """Of an algorithm of another library, what it is from stands behind the coefficients."""
+    origins = [each[-1] for each in (one, two) if each and isinstance(each[-1], str)]
+    if len({*origins}) == 2:
+        return f"what {name} is from ({origins[0]} and {origins[1]})"
+    return f"the coefficients of {name}"
 
 
 def _different_time(one: Allotment, two: Allotment) -> str:

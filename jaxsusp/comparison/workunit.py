@@ -16,10 +16,11 @@ import xarray as xr
 from jaxsusp.comparison import dataset
 from jaxsusp.comparison.bestknown import best_known
 from jaxsusp.errors import InputError
-from jaxsusp.optim.base import Optimizer
-from jaxsusp.optim.batch import Outcome, run_batch, time_iteration
+from jaxsusp.optim.base import AnyOptimizer
+from jaxsusp.optim.batch import run_batch, time_iteration
 from jaxsusp.optim.devices import instruction_set
 from jaxsusp.optim.loop import Evaluations, count_evaluations, require_begun
+from jaxsusp.optim.outcome import Outcome
 from jaxsusp.optim.polish import EVALUATIONS, polish_batch
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
@@ -96,7 +97,7 @@ class Unit(NamedTuple):
     """One algorithm on one group of scenarios."""
 
     group: Group
-    optimizer: Optimizer
+    optimizer: AnyOptimizer
     iterations: int
     population: int
     per_run: Evaluations
@@ -107,7 +108,7 @@ class Unit(NamedTuple):
     def plan(
         cls,
         group: Group,
-        optimizer: Optimizer,
+        optimizer: AnyOptimizer,
         iterations: int,
         population: int,
         budget: str,

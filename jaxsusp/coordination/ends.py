@@ -18,7 +18,7 @@ from jaxsusp._types import Array, Float
 from jaxsusp.errors import InputError, require_counts, require_seed
 from jaxsusp.geometry.collisions import count_collisions
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.optim.registry import algorithm as algorithm_of
@@ -215,7 +215,7 @@ class Placement(NamedTuple):
 def place_ends(
     scenario: Scenario,
     position: Float[Array, "samples xyz"] | Sequence,
-    algorithm: str | Optimizer = "sdbo",
+    algorithm: str | AnyOptimizer = "sdbo",
     seed: int = 0,
     runs: int = 4,
     iterations: int = 200,

@@ -9,18 +9,22 @@ An optimiser is a pair of pure functions:
 needs: a NamedTuple of scalars that the driver averages over the iterations (empty if there is
 nothing to tell). All fitness values go through `problem.evaluate`, which ranks NaN as +inf, and
 every candidate through `problem.repair` first.
+
+A search that cannot be part of a compiled program, because a library keeps it in NumPy, is the
+second kind, `HostOptimizer`: it asks for the fitness of candidates, and is told.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.tree_util import Partial
 
 from jaxsusp._types import Array, Float, Int
-from jaxsusp.errors import require_known
+from jaxsusp.errors import require, require_known
 
 
 class Best(NamedTuple):
@@ -77,12 +81,70 @@ class Optimizer:
     step: Callable[..., tuple[State, Any]]
     thorough: bool = field(default=False, metadata={"static": True})
     """Whether it ends at an optimum of its own accord: nothing is left to refine then."""
+    origin: str = field(default="", metadata={"static": True})
+    """Of an algorithm of another library: what it is from, with the version."""
 
     def __post_init__(self):
-        for part in ("init", "step"):
-            function = getattr(self, part)
-            if callable(function) and jax.tree_util.all_leaves([function]):
-                object.__setattr__(self, part, Partial(function))
+        _hold_partials(self, "init", "step")
+
+
+@runtime_checkable
+class HostSearch(Protocol):
+    """One run of a search on the host. It asks, is told, and asks again."""
+
+    def ask(self) -> Float[np.ndarray, "pop dim"]:
+        """The next candidates, anywhere, as many as in every earlier turn but the first."""
+        ...
+
+    def tell(self, x: Float[np.ndarray, "pop dim"], fitness: Float[np.ndarray, "pop"]) -> None:
+        """Their fitness, at the admissible points that were evaluated in their place."""
+        ...
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class HostOptimizer:
+    """A named search that lives in NumPy: ask and tell in place of init and step.
+
+    `begin(seed, lower, upper, population, iterations)` begins one run, a `HostSearch`. Its first
+    candidates are the initial population, those of every further turn an iteration; `seed` is a
+    number below 2**31, `lower` and `upper` are float64. Runs are advanced side by side: one that
+    draws from a generator that all share gives it back as it was, see `optim.host.Aside`.
+    Coefficients are leaves of `Partial`.
+    """
+
+    name: str = field(metadata={"static": True})
+    begin: Callable[..., HostSearch]
+    thorough: bool = field(default=False, metadata={"static": True})
+    origin: str = field(default="", metadata={"static": True})
+
+    def __post_init__(self):
+        _hold_partials(self, "begin")
+
+
+AnyOptimizer = Optimizer | HostOptimizer
+"""What a batch, and all that is made of batches, takes."""
+
+
+def require_compiled(optimizer: AnyOptimizer) -> None:
+    """Refuse a search on the host where a whole run has to be one compiled program.
+
+    Raises:
+        InputError: names it.
+    """
+    require(
+        isinstance(optimizer, Optimizer),
+        f'algorithm = "{optimizer.name}" is advanced on the host, here runs are compiled whole; '
+        "give one of ours or of evosax",
+    )
+
+
+def _hold_partials(optimizer: AnyOptimizer, *parts: str) -> None:
+    """Make pytrees of its plain functions."""
+    for part in parts:
+        function = getattr(optimizer, part)
+        if callable(function) and jax.tree_util.all_leaves([function]):
+            object.__setattr__(optimizer, part, Partial(function))
 
 
 _T = TypeVar("_T")

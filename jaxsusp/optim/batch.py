@@ -9,16 +9,17 @@ import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.sharding import Mesh, PartitionSpec
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxsusp._types import Array
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, Optimizer
+from jaxsusp.optim.host import Evaluate, HostBatch, run_on_host, time_on_host
 from jaxsusp.optim.loop import Progress, advance, begin, run_key
+from jaxsusp.optim.outcome import Outcome
 from jaxsusp.problem.problem import Problem
 
 ONCE = {"xla_backend_optimization_level": 1}
@@ -33,20 +34,9 @@ LEAST = 2
 run in its own way, and a run is the same in whatever batch it is computed."""
 
 
-class Outcome(NamedTuple):
-    """What a batch found, host arrays with leading axes (scenario, run)."""
-
-    x: np.ndarray  # (S, R, D)
-    fitness: np.ndarray  # (S, R)
-    history: np.ndarray  # (S, R, T), best fitness after each iteration
-    info: Any  # means over the iterations, each (S, R)
-    seconds_compile: float
-    seconds_run: float
-
-
 def run_batch(
     problems: Problem,
-    optimizer: Optimizer,
+    optimizer: AnyOptimizer,
     seed: int,
     runs: Sequence[int],
     iterations: int,
@@ -59,7 +49,8 @@ def run_batch(
 
     Args:
         problems: problems of one static shape stacked along a leading axis of every leaf.
-        optimizer: what minimises them.
+        optimizer: what minimises them; one on the host is advanced beside the program, which then
+            holds the fitness alone.
         seed: root of all randomness.
         runs: indices of the runs; run i is the same in whatever batch it is computed.
         iterations: number T of iterations.
@@ -72,6 +63,9 @@ def run_batch(
     Returns:
         An `Outcome`; compilation (none if the program is at hand) and computation timed apart.
     """
+    if isinstance(optimizer, HostOptimizer):
+        batch = _on_host(problems, optimizer, seed, runs, population, iterations)
+        return run_on_host(batch, _stops(iterations), report)
     clock = time.perf_counter()
     sizes = population, iterations, max(iterations, room)
     with _launched(problems, optimizer, seed, runs, *sizes, lanes) as (go, progress):
@@ -87,7 +81,7 @@ def run_batch(
 
 def time_iteration(
     problems: Problem,
-    optimizer: Optimizer,
+    optimizer: AnyOptimizer,
     seed: int,
     runs: Sequence[int],
     iterations: int,
@@ -100,6 +94,9 @@ def time_iteration(
     The first three of the chunks of `run_batch` are run and the quickest counts: whatever else the
     machine does can only delay. Arguments are those of `run_batch`.
     """
+    if isinstance(optimizer, HostOptimizer):
+        batch = _on_host(problems, optimizer, seed, runs, population, iterations)
+        return time_on_host(batch, _stops(iterations)[:4])
     sizes = population, iterations, max(iterations, room)
     with _launched(problems, optimizer, seed, runs, *sizes, lanes) as (go, progress):
         seconds = []
@@ -170,6 +167,50 @@ def _programs(devices: tuple, population: int, iterations: int, room: int):
         jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE),
         jax.jit(shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))),
     )
+
+
+def _on_host(
+    problems: Problem,
+    optimizer: HostOptimizer,
+    seed: int,
+    runs: Sequence[int],
+    population: int,
+    iterations: int,
+) -> HostBatch:
+    evaluate = evaluator(problems)
+    return HostBatch(optimizer, problems, evaluate, seed, runs, population, iterations)
+
+
+def evaluator(problems: Problem) -> Evaluate:
+    """Repair and fitness of candidates (S, M, D) of stacked problems, shared among the devices."""
+    devices, dtype = tuple(jax.devices()), problems.lower.dtype
+    program, everywhere = _evaluation(devices)
+    with jax.enable_x64(dtype == np.float64):
+        there = jax.device_put(problems, everywhere)  # once, not in every call
+
+    def evaluate(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        count = x.shape[1]
+        filled = np.pad(x, ((0, 0), (0, -count % len(devices)), (0, 0)), mode="edge")
+        with jax.enable_x64(dtype == np.float64):
+            found = program(there, filled.astype(dtype))
+            points, fitness = jax.tree.map(np.asarray, found)
+        return points[:, :count], fitness[:, :count]
+
+    return evaluate
+
+
+@functools.lru_cache(maxsize=4)
+def _evaluation(devices: tuple):
+    mesh = Mesh(np.asarray(devices), ("candidates",))
+    stacked = PartitionSpec(None, "candidates")
+
+    def one(problem: Problem, x: Array) -> tuple[Array, Array]:
+        x = problem.repair(x)
+        return x, problem.evaluate(x)
+
+    specs = {"in_specs": (PartitionSpec(), stacked), "out_specs": stacked}
+    program = jax.jit(jax.shard_map(jax.vmap(one), mesh=mesh, check_vma=False, **specs))
+    return program, NamedSharding(mesh, PartitionSpec())
 
 
 def _collect(progress: Progress, runs: int, iterations: int, compile_time, run_time) -> Outcome:

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxsusp._types import Array, Float, Int, Key
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, HostSearch, Optimizer
 from jaxsusp.problem.problem import Problem
 
 
@@ -87,14 +88,16 @@ def advance(
     return jax.lax.fori_loop(first, stop, iterate, progress)
 
 
-def count_evaluations(optimizer: Optimizer, problem: Problem, population: int) -> Evaluations:
+def count_evaluations(optimizer: AnyOptimizer, problem: Problem, population: int) -> Evaluations:
     """Count what a program evaluates by tracing it, so that no algorithm reports its own cost."""
     portions = evaluation_sizes(optimizer, problem, population)
     return Evaluations(sum(portions.initial), sum(portions.step))
 
 
-def evaluation_sizes(optimizer: Optimizer, problem: Problem, population: int) -> Portions:
+def evaluation_sizes(optimizer: AnyOptimizer, problem: Problem, population: int) -> Portions:
     """The portions in which an optimiser evaluates, found by tracing it with another fitness."""
+    if isinstance(optimizer, HostOptimizer):
+        return _asked_sizes(optimizer, problem, population)
     recorder = _Recorder(problem)
     key = jax.eval_shape(lambda: jax.random.key(0))
     state = jax.eval_shape(
@@ -105,8 +108,32 @@ def evaluation_sizes(optimizer: Optimizer, problem: Problem, population: int) ->
     return Portions(initial, tuple(recorder.sizes))
 
 
-def require_begun(optimizer: Optimizer, problem: Problem, population: int, iterations: int) -> None:
+def _asked_sizes(optimizer: HostOptimizer, problem: Problem, population: int) -> Portions:
+    """The portions that a search on the host asks for, found by playing two turns of it."""
+    search = begin_on_host(optimizer, problem, 0, population, _LONG)
+    sizes = []
+    for _ in range(2):
+        x = np.clip(search.ask(), problem.lower, problem.upper)
+        search.tell(x, x.sum(axis=1))
+        sizes.append(len(x))
+    return Portions((sizes[0],), (sizes[1],))
+
+
+def begin_on_host(
+    optimizer: HostOptimizer, problem: Problem, seed: int, population: int, iterations: int
+) -> HostSearch:
+    """Begin one run of a search on the host, on one problem."""
+    bounds = (np.asarray(each, np.float64) for each in (problem.lower, problem.upper))
+    return optimizer.begin(seed, *bounds, population, iterations)
+
+
+def require_begun(
+    optimizer: AnyOptimizer, problem: Problem, population: int, iterations: int
+) -> None:
     """Let an optimiser refuse what is too little for it, by tracing it: nothing is computed."""
+    if isinstance(optimizer, HostOptimizer):
+        begin_on_host(optimizer, problem, 0, population, iterations)
+        return
     recorder, key = _Recorder(problem), jax.eval_shape(lambda: jax.random.key(0))
     jax.eval_shape(lambda key: optimizer.init(key, recorder.problem, population, iterations), key)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxsusp._types import Float
 from jaxsusp.errors import require_counts, require_seed
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import count_evaluations
 from jaxsusp.optim.polish import EVALUATIONS, polish_batch
@@ -39,7 +39,7 @@ class Result(NamedTuple):
 
 def minimize(
     problem: Problem,
-    optimizer: Optimizer | str,
+    optimizer: AnyOptimizer | str,
     seed: int = 0,
     runs: int = 20,
     iterations: int = 500,

@@ -17,7 +17,7 @@ import optax
 
 from jaxsusp._types import Array, Float
 from jaxsusp.optim.base import Best
-from jaxsusp.optim.batch import Outcome
+from jaxsusp.optim.outcome import Outcome
 from jaxsusp.problem.problem import Problem
 
 STEPS = 60

@@ -16,8 +16,8 @@ from jaxsusp.errors import (
     require_seed,
 )
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.optim.base import Optimizer
-from jaxsusp.optim.choices import ALGORITHMS
+from jaxsusp.optim.base import AnyOptimizer
+from jaxsusp.optim.choices import require_algorithm
 from jaxsusp.optim.registry import algorithm as algorithm_of
 from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 from jaxsusp.planning.feasibility import require_possible
@@ -50,7 +50,7 @@ class Event(NamedTuple):
 
 def plan(
     scenario: Scenario | Named,
-    algorithm: str | Optimizer = "routed",
+    algorithm: str | AnyOptimizer = "routed",
     ends: str = "given",
     runs: int = 4,
     iterations: int = 300,
@@ -108,7 +108,7 @@ def plan(
     scenario = stated.own
     require_rule(scenario)
     if isinstance(algorithm, str):
-        require_known("algorithm", algorithm, [*ALGORITHMS, TAUT])
+        require_algorithm(algorithm, [TAUT])
     settings = Settings(
         None if algorithm == TAUT else algorithm_of(algorithm), ends, coordination, runs,
         iterations, population, seed, samples, search, simulate,

@@ -22,7 +22,7 @@ from jaxsusp.freespace.build import FINER, free_space
 from jaxsusp.freespace.rounding import rounded_ways
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
@@ -47,7 +47,7 @@ Candidate = tuple[np.ndarray, np.ndarray | None]
 class Settings(NamedTuple):
     """What a person asked for."""
 
-    optimizer: Optimizer | None  # None: taut ways alone
+    optimizer: AnyOptimizer | None  # None: taut ways alone
     ends: str  # "given" or "placed"
     coordination: str  # "alternation" or "joint"
     runs: int

@@ -9,7 +9,8 @@ import pytest
 
 import jaxsusp as js
 from jaxsusp.cli.commandgroup import FIRST_STEPS
-from jaxsusp.cli.completion import one_of, scenario_names, some_of
+from jaxsusp.cli.completion import algorithm_names, one_of, scenario_names, some_of
+from jaxsusp.optim import choices
 
 COMPLETE = """
 import sys
@@ -48,6 +49,14 @@ def test_names_and_files_of_scenarios_are_completed(tmp_path):
     (tmp_path / "scenic.toml").touch()
     (tmp_path / "scenic.txt").touch()
     assert completed("jaxsusp plan scen", tmp_path) == [*js.scenarios(), "scenic.toml"]
+
+
+@pytest.mark.fast
+def test_algorithms_are_completed_and_the_libraries_that_are_there(monkeypatch):
+    monkeypatch.setattr(choices, "find_spec", lambda library: library == "pymoo" or None)
+    assert algorithm_names("p") == ["pso", "pymoo:"]
+    assert some_of(algorithm_names)("pso,p") == ["pso,pymoo:"]
+    assert algorithm_names("evo") == []
 
 
 @pytest.mark.fast

@@ -5,6 +5,7 @@ import json
 import pytest
 
 import jaxsusp as js
+from jaxsusp.optim import choices
 
 
 @pytest.mark.fast
@@ -35,6 +36,15 @@ def test_lists_are_tables_or_json(run):
         rows = json.loads(run(command, "--json")[1])
         assert all(row[name] in out for row in rows)
     assert [row["algorithm"] for row in rows] == list(js.ALGORITHMS)
+
+
+@pytest.mark.fast
+def test_without_other_libraries_their_list_is_empty_and_says_what_brings_them(run, monkeypatch):
+    monkeypatch.setattr(choices, "find_spec", lambda _: None)
+    code, out, err = run("algorithms", "--peers", "--json")
+    assert (code, json.loads(out)) == (0, [])
+    assert 'evosax and pymoo: not installed; pip install "jaxsusp[peers]"' in err
+    assert run("algorithms", "--peers")[0] == 0
 
 
 @pytest.mark.parametrize("command", ["compare", "report", "scenarios", "algorithms"])

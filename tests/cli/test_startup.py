@@ -59,6 +59,8 @@ def test_the_version_is_that_of_the_package():
         ("workspace missing.toml", "neither a file nor a built-in scenario"),
         ("compare --scenarios scenario-1,scenario-9", "scenario-9: is neither"),
         ("compare --algorithms pso,sdob", 'did you mean "sdbo"'),
+        ("compare --algorithms evosacks:PSO", 'did you mean "evosax"'),
+        ("compare --algorithms pymoo", 'such as "pymoo:GA"'),
         ("compare --search boxx", 'did you mean "box"'),
         ("compare --budget times", "choose from evaluations, iterations, time"),
         ("plan scenario-1 --algorithm psoo", 'did you mean "pso"'),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from jaxsusp.cli.application import command, interrupted, note
-from jaxsusp.cli.completion import one_of, scenario_names, some_of
+from jaxsusp.cli.completion import algorithm_names, one_of, scenario_names, some_of
 from jaxsusp.cli.interrupts import working
 from jaxsusp.cli.options import (
     RESULTS,
@@ -69,8 +69,9 @@ def compare(
     algorithms: Annotated[
         str,
         typer.Option(
-            help='Names separated by commas, see `jaxsusp algorithms`; or "all".',
-            autocompletion=some_of(one_of(ALGORITHMS)),
+            help='Names separated by commas, see `jaxsusp algorithms`; or "all" of ours. '
+            '"evosax:CMA_ES", "pymoo:GA": of other libraries, see `jaxsusp algorithms --peers`.',
+            autocompletion=some_of(algorithm_names),
         ),
     ] = ",".join(PUBLISHED),
     runs: Runs = 20,

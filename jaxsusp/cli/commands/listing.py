@@ -5,6 +5,7 @@ from typing import Annotated
 
 from jaxsusp.cli.application import command, note
 from jaxsusp.cli.options import Json, flag
+from jaxsusp.optim.choices import EXTRA, PEERS, installed
 from jaxsusp.planning.choices import TAUT
 from jaxsusp.scenario.builtin import examples
 from jaxsusp.scenario.builtin import scenarios as built_in
@@ -38,13 +39,22 @@ def scenarios(
 
 
 @command(epilog="Example: jaxsusp algorithms")
-def algorithms(as_json: Json = False) -> None:
-    """List the algorithms that --algorithms takes."""
-    from jaxsusp.optim.registry import ALGORITHMS, describe
+def algorithms(
+    others: Annotated[bool, flag("--peers", "Those of other libraries instead.")] = False,
+    as_json: Json = False,
+) -> None:
+    """List the algorithms that --algorithms takes: ours, or those of evosax and pymoo."""
+    missing = [library for library in PEERS if library not in installed()]
+    if others and missing:
+        note(f"{' and '.join(missing)}: not installed; {EXTRA} brings them")
 
-    print_rows([{"algorithm": name, "what": describe(name)} for name in ALGORITHMS], as_json)
-    if not as_json:
+    from jaxsusp.optim.registry import ALGORITHMS, describe, peers
+
+    found = peers() if others else [*ALGORITHMS]
+    print_rows([{"algorithm": name, "what": describe(name)} for name in found], as_json)
+    if not (as_json or others):
         note(f'`jaxsusp plan` also takes "{TAUT}": taut ways through the free space, as they are.')
+        note(f"`jaxsusp algorithms --peers` lists those of {' and '.join(PEERS)}.")
 
 
 def print_rows(rows: list[dict], as_json: bool) -> None:
@@ -56,7 +66,7 @@ def print_rows(rows: list[dict], as_json: bool) -> None:
         print(json.dumps(rows, indent=2))
         return
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in rows[0]:
+    for name in rows[0] if rows else ():
         table.add_column(name, no_wrap=True)
     for row in rows:
         table.add_row(*map(_plain, row.values()))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from jaxsusp.cli.application import command, interrupted, note, wide_console
-from jaxsusp.cli.completion import one_of
+from jaxsusp.cli.completion import algorithm_names, one_of
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
@@ -27,7 +27,7 @@ from jaxsusp.cli.options import (
     require_choices,
 )
 from jaxsusp.errors import require_known
-from jaxsusp.optim.choices import ALGORITHMS
+from jaxsusp.optim.choices import require_algorithm
 from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def plan(
         str,
         typer.Option(
             help='What searches, see `jaxsusp algorithms`; "taut": nothing, taut ways.',
-            autocompletion=one_of([*ALGORITHMS, TAUT]),
+            autocompletion=algorithm_names,
         ),
     ] = "routed",
     ends: Annotated[
@@ -84,7 +84,7 @@ def plan(
 
     Exit status 1 where the plan is infeasible, or the task is proved to be impossible.
     """
-    require_known("algorithm", algorithm, [*ALGORITHMS, TAUT])
+    require_algorithm(algorithm, [TAUT])
     require_choices([scenario], search=search)
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)

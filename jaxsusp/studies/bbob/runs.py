@@ -17,7 +17,7 @@ import numpy as np
 from jax.sharding import Mesh, PartitionSpec
 
 from jaxsusp._types import Array, Float, Key
-from jaxsusp.optim.base import Optimizer
+from jaxsusp.optim.base import Optimizer, require_compiled
 from jaxsusp.optim.loop import count_evaluations, run_key
 from jaxsusp.problem.problem import Problem
 from jaxsusp.studies.bbob.instances import Instance, stacked
@@ -77,6 +77,7 @@ def run_function(
     Raises:
         InputError: no such function, dimension or instance, or a population that is too small.
     """
+    require_compiled(optimizer)
     drawn = [landscape(function, course.dim, number) for number in course.instances]
     with jax.enable_x64(True):
         at, keys, devices = _lanes(optimizer, function, course, drawn)

@@ -1,0 +1,1 @@
+"""Other libraries' optimisers beside ours, on one fitness: `make bench-peers`."""

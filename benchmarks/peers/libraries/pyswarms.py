@@ -1,0 +1,27 @@
+"""pyswarms: its objective takes a swarm. It has no defaults; these are its introduction's."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.peers.task import Objective, Peer, Task, run_by_run
+
+with tempfile.TemporaryDirectory() as _folder:  # else it writes report.log where it is imported
+    _quiet = Path(_folder) / "logging.yaml"
+    _quiet.write_text("version: 1\ndisable_existing_loggers: false\n")
+    os.environ.setdefault("LOG_CFG", str(_quiet))
+    from pyswarms.single.global_best import GlobalBestPSO
+
+OPTIONS = {"c1": 0.5, "c2": 0.3, "w": 0.9}
+
+
+def _search(objective: Objective, seed: int, task: Task) -> None:
+    np.random.seed(seed)  # noqa: NPY002  what it draws from
+    bounds = objective.lower, objective.upper
+    swarm = GlobalBestPSO(task.population, len(objective.lower), OPTIONS, bounds)
+    swarm.optimize(objective.many, task.iterations + 1, verbose=False)
+
+
+PEERS = [Peer("pyswarms", "GlobalBestPSO", "pso", run_by_run(_search))]
