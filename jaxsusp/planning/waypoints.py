@@ -74,7 +74,7 @@ def plan_through(
     certificate = certify(rigging)
     report = constraint_report(rigging, certificate)
     reasons = tuple(_reasons(report, certificate, scenario.frame))
-    times = np.linspace(0, scenario.task.duration, samples)
+    times = np.linspace(0, law.duration, samples)
     along, loads = rigging.ends_at(law.parameter(times)), rigging.loads(times)
     return Plan(
         scenario,

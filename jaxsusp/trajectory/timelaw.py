@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import PPoly
 
 from jaxsusp._types import Float
 from jaxsusp.trajectory.smoothpath import SmoothPath
@@ -40,36 +41,68 @@ def minimum_jerk(share: Float[np.ndarray, "times"]) -> tuple[np.ndarray, ...]:
     )
 
 
+def minimum_jerk_law(length: float, duration: float) -> PPoly:
+    """The same law as one piece of degree 5: arc length (m) over time (s).
+
+    Args:
+        length: of the path (m).
+        duration: time from rest to rest (s).
+    """
+    powers = np.array([6.0, -15.0, 10.0, 0.0, 0.0, 0.0])
+    scale = length / duration ** np.arange(5.0, -1.0, -1.0)
+    return PPoly((powers * scale)[:, None], np.array([0.0, duration]), extrapolate=False)
+
+
 @dataclass(frozen=True, eq=False)
 class TimeLaw:
-    """A path by arc length, driven with the minimum-jerk law.
+    """A path by arc length, driven from rest to rest by a piecewise polynomial law.
 
     Args:
         path: where the load goes.
-        duration: time from rest to rest (s).
+        law: arc length s(t) (m) over time (s): from 0 at time 0 to the path's length at the end,
+            never back, C2, at rest and without acceleration at both ends.
     """
 
     path: SmoothPath
-    duration: float
+    law: PPoly
+
+    @classmethod
+    def least_jerk(cls, path: SmoothPath, duration: float) -> "TimeLaw":
+        """A path driven with the minimum-jerk law: one piece of degree 5."""
+        return cls(path, minimum_jerk_law(path.length, duration))
 
     @classmethod
     def through(cls, points: Float[np.ndarray, "samples xyz"], duration: float) -> "TimeLaw":
-        """The law of the smooth path through given points (m)."""
-        return cls(SmoothPath(points), duration)
+        """The smooth path through given points (m), driven with the minimum-jerk law."""
+        return cls.least_jerk(SmoothPath(points), duration)
+
+    @property
+    def duration(self) -> float:
+        """Time from rest to rest (s)."""
+        return float(self.law.x[-1])
+
+    def restated(self, path: SmoothPath, length: float, time: float) -> "TimeLaw":
+        """The same motion in other units.
+
+        Args:
+            path: the path in these units.
+            length: what an arc length is multiplied by.
+            time: what a time is multiplied by.
+        """
+        powers = np.arange(len(self.law.c) - 1, -1, -1.0)[:, None]
+        law = PPoly(self.law.c * length / time**powers, self.law.x * time, extrapolate=False)
+        return TimeLaw(path, law)
 
     def at(self, times: Float[np.ndarray, "times"]) -> Motion:
         """Where the load is and how it moves at given times (s), at rest before and after.
 
         With σ = |p'| and s the arc length, u follows from σ u̇ = ṡ and its derivatives.
         """
-        share = np.clip(np.asarray(times, np.float64) / self.duration, 0, 1)
-        moving = (share == times / self.duration).astype(np.float64)
-        _, *rates = minimum_jerk(share)
-        length, u = self.path.length, self.parameter(times)
-        s1, s2, s3 = (
-            moving * length * rate / self.duration ** (order + 1)
-            for order, rate in enumerate(rates)
-        )
+        times = np.asarray(times, np.float64)
+        inside = np.clip(times, 0, self.duration)
+        moving = (inside == times).astype(np.float64)
+        s1, s2, s3 = (moving * self.law(inside, nu=order) for order in (1, 2, 3))
+        u = self.parameter(inside)
         p1, p2, p3 = (derivative(u) for derivative in self.path.derivatives)
         speed = np.maximum(np.linalg.norm(p1, axis=-1), 1e-9)
         along = _rows(p1, p2) / speed  # dσ/du
@@ -87,18 +120,17 @@ class TimeLaw:
 
     def parameter(self, times: Float[np.ndarray, "times"]) -> Float[np.ndarray, "times"]:
         """Where on the path, by its parameter u, the load is at given times (s)."""
-        share = np.clip(np.asarray(times, np.float64) / self.duration, 0, 1)
-        return self.path.parameter(self.path.length * minimum_jerk(share)[0])
+        inside = np.clip(np.asarray(times, np.float64), 0, self.duration)
+        return self.path.parameter(np.clip(self.law(inside), 0, self.path.length))
 
     @cached_property
     def _clock(self) -> tuple[np.ndarray, np.ndarray]:
-        share = np.linspace(0, 1, 20001)
-        return minimum_jerk(share)[0], share
+        times = np.linspace(0, self.duration, 20001)
+        return np.maximum.accumulate(self.law(times)), times
 
     def time_of(self, u: Float[np.ndarray, "*batch"] | float) -> Float[np.ndarray, "*batch"]:
         """The time (s) at which the load passes parameter u of the path, to within 1 ms."""
-        reached = np.asarray(self.path.arc(np.asarray(u))) / max(self.path.length, 1e-12)
-        return np.asarray(self.duration * np.interp(reached, *self._clock))
+        return np.asarray(np.interp(np.asarray(self.path.arc(np.asarray(u))), *self._clock))
 
 
 def _rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:

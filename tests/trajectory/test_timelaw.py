@@ -71,6 +71,9 @@ def test_speed_follows_the_minimum_jerk_law(law):
     np.testing.assert_allclose(speed, expected, atol=1e-9)
     assert speed.max() == pytest.approx(15 / 8 * law.path.length / 40, rel=1e-6)
     assert minimum_jerk(np.array([0.5]))[0] == 0.5
+    np.testing.assert_allclose(
+        law.law(times), law.path.length * minimum_jerk(times / 40)[0], atol=1e-12
+    )
 
 
 def test_time_and_parameter_agree(law):
