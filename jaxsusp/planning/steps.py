@@ -28,11 +28,12 @@ from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import fitness_of, simulated_problems, with_settings
-from jaxsusp.planning.waypoints import plan_through
+from jaxsusp.planning.waypoints import plan_through, sample_path
 from jaxsusp.problem.hardturns import PRICE, gently
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, rounded_counts, rounded_up
+from jaxsusp.suspension.rigging import ends_beside
 
 LEAST_FOR_ENDS = 30
 """Iterations of a search for ends at least; a third of those for the load if that is more."""
@@ -196,7 +197,9 @@ def checked(
     x, ends = candidate
     waypoints = np.asarray(x, np.float64).reshape(-1, 3)
     found = plan_through(scenario, waypoints, ends, settings.samples)
-    fitness = fitness_of(scenario, found)
+    path = sample_path(scenario, waypoints, settings.samples)
+    beside = ends_beside(scenario, path) if ends is None else ends.reshape(-1, *ends.shape[-2:])
+    fitness = fitness_of(scenario, path, beside)
     return with_settings(found, fitness=fitness, way=way, simulated=False)
 
 

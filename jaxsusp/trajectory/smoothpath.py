@@ -1,8 +1,9 @@
 """A smooth curve through the samples of a trajectory, measured by its length.
 
 Makima is only C1: along it the acceleration jumps at every knot. A finished plan therefore runs
-on a quintic spline (C4, so that the jerk is continuous) through the Makima samples. The curve is
-not the one that was searched: whoever uses it checks it again.
+on a quintic spline (C4, so that the jerk is continuous) through the Makima samples, or through
+samples beside them (`smoothing`). The curve is not the one that was searched: whoever uses it
+checks it again.
 """
 
 import math
@@ -12,13 +13,24 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import BSpline, CubicHermiteSpline, make_interp_spline
 
-from jaxsusp._types import Float
+from jaxsusp._types import Float, Int
 from jaxsusp.errors import require
 
 _PIECES = 32
 """Parts of a span in the table of arc lengths."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+
+
+def natural_quintic(
+    u: Float[np.ndarray, "knots"], values: Float[np.ndarray, "knots parts"]
+) -> BSpline:
+    """The quintic spline whose third and fourth derivative vanish at both ends.
+
+    Of all curves through the values it is the one of least ∫ |v'''|² du.
+    """
+    still = [(order, np.zeros(values.shape[1])) for order in (3, 4)]
+    return make_interp_spline(u, values, k=5, bc_type=(still, still))
 
 
 class Spline:
@@ -32,9 +44,8 @@ class Spline:
     """
 
     def __init__(self, u: Float[np.ndarray, "knots"], values: Float[np.ndarray, "knots parts"]):
-        still = [(order, np.zeros(values.shape[1])) for order in (3, 4)]
         self.u = u
-        self.curve: BSpline = make_interp_spline(u, values, k=5, bc_type=(still, still))
+        self.curve: BSpline = natural_quintic(u, values)
         first = self.curve.derivative()
         second = first.derivative()
         self.derivatives = first, second, second.derivative()
@@ -97,6 +108,12 @@ class SmoothPath:
             rows = np.arange(len(u))
             number, u = np.interp(halves, rows, number), np.interp(halves, rows, u)
         return u, number
+
+    @property
+    def marks(self) -> tuple[Float[np.ndarray, "samples"], Int[np.ndarray, "distinct"]]:
+        """The parameter of every point, and which points are not where the one before is."""
+        u, moves = self._chords
+        return u, np.flatnonzero(moves)
 
     def beside(self, rows: Float[np.ndarray, "samples *parts"]) -> Spline:
         """A spline in this path's parameter, through one row of values per point."""

@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import PPoly
+from scipy.interpolate import BPoly, PPoly
 
 from jaxsusp._types import Float
 from jaxsusp.trajectory.smoothpath import SmoothPath
@@ -75,6 +75,31 @@ class TimeLaw:
     def through(cls, points: Float[np.ndarray, "samples xyz"], duration: float) -> "TimeLaw":
         """The smooth path through given points (m), driven with the minimum-jerk law."""
         return cls.least_jerk(SmoothPath(points), duration)
+
+    @classmethod
+    def passing(
+        cls,
+        path: SmoothPath,
+        times: Float[np.ndarray, "breaks"],
+        arc: Float[np.ndarray, "breaks"],
+        speed: Float[np.ndarray, "breaks"],
+        acceleration: Float[np.ndarray, "breaks"],
+    ) -> "TimeLaw":
+        """The law in pieces of degree 5 that passes given states: arc length, ṡ and s̈ (SI).
+
+        Two states and the time between them decide such a piece, so that the law is C2 whatever
+        the states are; least jerk is the piece between two states of rest.
+        """
+        states = np.stack([arc, speed, acceleration], axis=1)
+        law = PPoly.from_bernstein_basis(BPoly.from_derivatives(times, states, orders=5))
+        return cls(path, PPoly(law.c, law.x, extrapolate=False))
+
+    @property
+    def states(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Times of the breaks, with the arc length, ṡ and s̈ there (SI), see `passing`."""
+        times = self.law.x
+        arc, speed, acceleration = (np.asarray(self.law(times, nu=order)) for order in range(3))
+        return times, arc, speed, acceleration
 
     @property
     def duration(self) -> float:
