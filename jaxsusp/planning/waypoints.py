@@ -11,7 +11,9 @@ from jaxsusp._types import Array, Float
 from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.motion.along import plan_along
+from jaxsusp.planning.motion.drive import driven
 from jaxsusp.planning.motion.smooth import smoothest
+from jaxsusp.planning.motion.wanted import Wanted, as_wanted
 from jaxsusp.planning.plan import Plan
 from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
@@ -32,11 +34,13 @@ def plan_through(
     *,
     elbow_up: Any = None,
     settings: Mapping[str, Any] | None = None,
+    duration: str | float | None = None,
+    calm: bool = False,
 ) -> Plan:
     """The plan that goes through given waypoints, checked.
 
     Its path is the smoothest one near Makima's curve through them that keeps what that one keeps,
-    see `motion.smooth`, and is driven with the minimum-jerk law.
+    see `motion.smooth`, and is driven with the minimum-jerk law or what else is asked for.
 
     Args:
         scenario: the task, or its name or file.
@@ -46,6 +50,9 @@ def plan_through(
         samples: number n of samples of the path and of the plan.
         elbow_up: of every robot; default chosen, see `jaxsusp.suspension.armclearance`.
         settings: kept with the plan.
+        duration: seconds from rest to rest, default the scenario's; or "shortest": as short as
+            limits allow. A swing of the load is limited, but nothing is played here.
+        calm: whether the law is shaped so that nothing swings on at the goal.
 
     Returns:
         A `Plan`, feasible or with reasons.
@@ -54,23 +61,37 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
-    asked = load_scenario(scenario)
+    asked, wanted = as_wanted(load_scenario(scenario), duration, calm)
     scenario = asked.own
     require_rule(scenario)
     require_count("samples", samples, least=3)
     waypoints = _points("waypoints", waypoints, asked.units)
     require(len(waypoints) > 0, "waypoints: none given; give one or more")
-    path = sample_path(scenario, waypoints, samples)
-    end_path = ends_beside(scenario, path) if ends is None else _end_path(asked, ends, samples)
+    beside = None if ends is None else _end_path(asked, ends, samples)
     if elbow_up is not None:
         elbow_up = np.array(elbow_up, bool)
         require(
             elbow_up.shape == (len(scenario.robots),),
             f"elbow_up: got shape {elbow_up.shape}; give one truth value per robot",
         )
+    return laid(scenario, waypoints, beside, samples, wanted, elbow_up, settings).stated(asked)
+
+
+def laid(
+    scenario: Scenario,
+    waypoints: Float[np.ndarray, "waypoints xyz"],
+    ends: Float[np.ndarray, "*rows cables xyz"] | None,
+    samples: int,
+    wanted: Wanted,
+    elbow_up: Any = None,
+    settings: Mapping[str, Any] | None = None,
+) -> Plan:
+    """The same of what is right already, all in own units."""
+    path = sample_path(scenario, waypoints, samples)
+    rule = ends_beside(scenario, path) if ends is None else ends.reshape(-1, *ends.shape[-2:])
     law = TimeLaw.through(path, scenario.task.duration)
-    found = plan_along(scenario, waypoints, law, end_path, elbow_up, settings)
-    return smoothest(found).stated(asked)
+    found = plan_along(scenario, waypoints, law, rule, elbow_up, settings)
+    return smoothest(found, lambda plan: driven(plan, wanted))
 
 
 def sample_path(scenario: Scenario, waypoints: np.ndarray, samples: int) -> np.ndarray:

@@ -144,6 +144,20 @@ class SmoothPath:
         """p', p'' and p''' with respect to u."""
         return self.spline.derivatives
 
+    def by_arc(self, u: Float[np.ndarray, "places"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """First to third derivative of the curve with respect to its arc length (1, 1/m, 1/m²).
+
+        With σ = |p'| the parameter follows from σ du/ds = 1 and its derivatives.
+        """
+        p1, p2, p3 = (derivative(u) for derivative in self.derivatives)
+        speed = np.maximum(np.linalg.norm(p1, axis=-1, keepdims=True), 1e-9)
+        along = _rows(p1, p2) / speed  # dσ/du
+        bend = (_rows(p2, p2) + _rows(p1, p3) - along**2) / speed  # d²σ/du²
+        u1 = 1 / speed
+        u2 = -along * u1**2 / speed
+        u3 = -(bend * u1**3 + 3 * along * u1 * u2) / speed
+        return p1 * u1, p1 * u2 + p2 * u1**2, p1 * u3 + 3 * p2 * u1 * u2 + p3 * u1**3
+
     @property
     def span(self) -> tuple[float, float]:
         """First and last parameter."""
@@ -181,6 +195,10 @@ class SmoothPath:
         u = np.clip(self._inverse(arc), *self.span)
         speed = np.maximum(np.linalg.norm(self.derivatives[0](u), axis=-1), 1e-9)
         return np.clip(u + (arc - self.arc(u)) / speed, *self.span)  # one Newton step
+
+
+def _rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return (a * b).sum(axis=-1, keepdims=True)
 
 
 def _bernstein_bound(curve: BSpline, knots: np.ndarray, degree: int) -> np.ndarray:

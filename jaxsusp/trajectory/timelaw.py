@@ -119,28 +119,18 @@ class TimeLaw:
         return TimeLaw(path, law)
 
     def at(self, times: Float[np.ndarray, "times"]) -> Motion:
-        """Where the load is and how it moves at given times (s), at rest before and after.
-
-        With σ = |p'| and s the arc length, u follows from σ u̇ = ṡ and its derivatives.
-        """
+        """Where the load is and how it moves at given times (s), at rest before and after."""
         times = np.asarray(times, np.float64)
         inside = np.clip(times, 0, self.duration)
         moving = (inside == times).astype(np.float64)
-        s1, s2, s3 = (moving * self.law(inside, nu=order) for order in (1, 2, 3))
+        s1, s2, s3 = ((moving * self.law(inside, nu=order))[:, None] for order in (1, 2, 3))
         u = self.parameter(inside)
-        p1, p2, p3 = (derivative(u) for derivative in self.path.derivatives)
-        speed = np.maximum(np.linalg.norm(p1, axis=-1), 1e-9)
-        along = _rows(p1, p2) / speed  # dσ/du
-        bend = (_rows(p2, p2) + _rows(p1, p3) - along**2) / speed  # d²σ/du²
-        u1 = s1 / speed
-        u2 = (s2 - along * u1**2) / speed
-        u3 = (s3 - bend * u1**3 - 3 * along * u1 * u2) / speed
-        u1, u2, u3 = u1[:, None], u2[:, None], u3[:, None]
+        along, bend, twist = self.path.by_arc(u)
         return Motion(
             self.path.curve(u),
-            p1 * u1,
-            p1 * u2 + p2 * u1**2,
-            p1 * u3 + 3 * p2 * u1 * u2 + p3 * u1**3,
+            along * s1,
+            along * s2 + bend * s1**2,
+            along * s3 + 3 * bend * s1 * s2 + twist * s1**3,
         )
 
     def parameter(self, times: Float[np.ndarray, "times"]) -> Float[np.ndarray, "times"]:
@@ -156,7 +146,3 @@ class TimeLaw:
     def time_of(self, u: Float[np.ndarray, "*batch"] | float) -> Float[np.ndarray, "*batch"]:
         """The time (s) at which the load passes parameter u of the path, to within 1 ms."""
         return np.asarray(np.interp(np.asarray(self.path.arc(np.asarray(u))), *self._clock))
-
-
-def _rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return (a * b).sum(axis=-1)

@@ -7,6 +7,8 @@ samples and of tensions, reach and arms, the checks of the plan tell; where they
 samples may move less, and in the end not at all.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from jaxsusp.mechanics.drives import moving
@@ -25,13 +27,14 @@ KEPT = 1e-3
 """m that half-spaces keep beyond what is required: between the samples a curve bulges."""
 
 
-def smoothest(found: Plan) -> Plan:
+def smoothest(found: Plan, drive: Callable[[Plan], Plan] = lambda plan: plan) -> Plan:
     """The plan on the smoothest path on which it is feasible; itself where there is none.
 
     A plan that comes too close to something is left as it is.
 
     Args:
         found: in own units, on Makima's samples, with the minimum-jerk law.
+        drive: gives a plan with such a law the one that is wanted.
     """
     if not found.certificate.proved:
         return found
@@ -41,9 +44,9 @@ def smoothest(found: Plan) -> Plan:
             found.scenario, found.waypoints, rigging.law, rigging.end_path, rigging.elbow_up,
             found.settings,
         )  # fmt: skip
-        if better.feasible:
+        if better.certificate.proved and (better := drive(better)).feasible:
             return better
-    return found
+    return drive(found)
 
 
 def smoothed_rigging(rigging: Rigging, radius: float) -> Rigging:
