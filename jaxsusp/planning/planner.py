@@ -64,7 +64,7 @@ def plan(
     search: str = SEARCHES[0],
     coordination: str = "alternation",
     simulate: bool = True,
-    duration: str | float | None = None,
+    duration: str | int | float | None = None,
     calm: bool = False,
     progress: Callable[[Event], None] | None = None,
 ) -> Plan:

@@ -34,7 +34,7 @@ def plan_through(
     *,
     elbow_up: Any = None,
     settings: Mapping[str, Any] | None = None,
-    duration: str | float | None = None,
+    duration: str | int | float | None = None,
     calm: bool = False,
 ) -> Plan:
     """The plan that goes through given waypoints, checked.

@@ -8,6 +8,7 @@ exactly 2 Δs/(√b₀ + √b₁). The optimum changes its acceleration in jumps
 bounded jerk (`jerklimited`) and no law to drive with.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -45,13 +46,19 @@ class Profile(NamedTuple):
     duration: float  # s
 
 
-def least_time(demands: Demands) -> Profile | None:
+def least_time(
+    edges: Float[np.ndarray, "places"], demanded: Callable[[np.ndarray], Demands]
+) -> Profile | None:
     """The fastest motion from rest to rest; None where no motion keeps the limits.
 
-    Limits hold at both ends of every interval, with the acceleration that it has. Speeds are
-    counted in the mean one of a motion that the solver finds of order one.
+    Limits hold in the middle of every interval, with the acceleration that it has: to second order
+    in its length. Speeds are counted in a unit in which they are of order one.
+
+    Args:
+        edges: of intervals along the path, from its start to its end (m).
+        demanded: gives what limits the motion at arc lengths (m).
     """
-    steps = np.diff(demands.arc)
+    steps, demands = np.diff(edges), demanded((edges[1:] + edges[:-1]) / 2)
     unit = _unit_of_speed(demands)
     if not unit > 0:
         return None
@@ -61,9 +68,7 @@ def least_time(demands: Demands) -> Profile | None:
     c, d = cones.roots(b), cones.variables(count)
     cones.inverse_sums(d, c)
     a = b[1:] * (1 / (2 * steps)) + b[:-1] * (-1 / (2 * steps))
-    for side in (0, 1):
-        place = np.arange(count) + side
-        cones.keep(b[place], a, place)
+    cones.keep((b[1:] + b[:-1]) * 0.5, a, np.arange(count))
     found = cones.minimise(d * (2 * steps))
     if found is None:
         return None

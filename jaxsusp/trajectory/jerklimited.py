@@ -17,6 +17,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from jaxsusp._types import Float
 from jaxsusp.trajectory.fastest import Cones, Demands
@@ -47,19 +48,38 @@ def jerk_limited(start: TimeLaw, demanded: Callable[[np.ndarray], Demands]) -> T
         demanded: gives what limits the motion at arc lengths (m).
 
     Returns:
-        The fastest law found, in pieces of constant jerk; to be checked.
+        The fastest law found, to be checked: in pieces of constant jerk, or C4 where snap is
+        limited.
     """
-    law = start
+    law, snap = start, np.inf
     for _ in range(ROUNDS):
         states = _even(law)
-        found = _faster(states, demanded(states.arc))
+        demands = demanded(states.arc)
+        found, snap = _faster(states, demands), demands.snap
         if found is None:
             break
         gain = 1 - found.times[-1] / law.duration
         law = TimeLaw.passing(law.path, *found)
         if gain < ENOUGH:
             break
-    return law
+    return law if law is start or np.isinf(snap) else _without_steps(law)
+
+
+def _without_steps(law: TimeLaw) -> TimeLaw:
+    """The quintic spline nearest to a law in steps of jerk, at rest at both ends."""
+    knots = np.linspace(0, law.duration, INTERVALS // 2 + 1)
+    padded = np.concatenate([[0.0] * 5, knots, [law.duration] * 5])
+    times = np.linspace(0, law.duration, 8 * INTERVALS + 1)
+    table = BSpline.design_matrix(times, padded, 5).toarray()
+    length = law.path.length
+    control = np.zeros(table.shape[1])
+    control[-3:] = length  # with the first three and last three equal it begins and ends at rest
+    inner = slice(3, -3)
+    rest = law.law(times) - table[:, -3:].sum(axis=1) * length
+    control[inner] = np.linalg.lstsq(table[:, inner], rest, rcond=None)[0]
+    spline = BSpline(padded, control, 5)
+    states = (spline(knots, nu=order) for order in range(3))
+    return TimeLaw.passing(law.path, knots, *states)
 
 
 def _even(law: TimeLaw) -> _States:

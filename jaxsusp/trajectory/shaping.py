@@ -13,20 +13,30 @@ from scipy.interpolate import PPoly
 
 from jaxsusp.trajectory.timelaw import TimeLaw
 
-IMPULSES = ((0.25, 0.0), (0.5, 0.5), (0.25, 1.0))
-"""Shares of the law, and by how much of a period each comes later: ZVD without damping."""
+
+def impulses(damping: float) -> tuple[tuple[float, float], ...]:
+    """ZVD: shares of the law, and by how much of a period each comes later.
+
+    Args:
+        damping: of the swing, as a share of critical damping: later pushes meet less of it.
+    """
+    left = math.exp(-damping * math.pi / math.sqrt(1 - damping**2))  # of a swing, half a period on
+    return tuple(
+        (share * left**i / (1 + left) ** 2, i / 2) for i, share in enumerate((1.0, 2.0, 1.0))
+    )
 
 
-def shaped(law: TimeLaw, period: float) -> TimeLaw:
-    """A law that leaves no swing of a period (s); it takes one period longer."""
-    delays = [delay * period for _, delay in IMPULSES]
+def shaped(law: TimeLaw, period: float, damping: float = 0.0) -> TimeLaw:
+    """A law that leaves no swing of a period (s) and damping; it takes one period longer."""
+    parts = [(share, late * period) for share, late in impulses(damping)]
+    delays = [delay for _, delay in parts]
     breaks = np.unique(np.concatenate([law.law.x + delay for delay in delays]))
     breaks = breaks[np.append(True, np.diff(breaks) > 1e-9 * breaks[-1])]
     breaks[-1] = law.duration + max(delays)
     middle, left = (breaks[1:] + breaks[:-1]) / 2, breaks[:-1]
     degree = len(law.law.c) - 1
     pieces = np.zeros((degree + 1, len(left)))
-    for (share, _), delay in zip(IMPULSES, delays, strict=True):
+    for share, delay in parts:
         pieces += share * _moved(law.law, left - delay, middle - delay, degree)
     return TimeLaw(law.path, PPoly(pieces, breaks, extrapolate=False))
 

@@ -24,6 +24,7 @@ from jaxsusp.trajectory.shaping import shaped
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.constraints import constraint_report
+from jaxsusp.verify.model import SWING_DAMPING
 from jaxsusp.verify.motionlimits import motion_limits
 from jaxsusp.verify.simulation import TENSION, TRACKING, Simulation, simulate
 
@@ -101,7 +102,7 @@ def shortest_laws(rigging: Rigging, wanted: Wanted) -> Laws | None:
     period = swing_period(rigging.scenario.payload) if wanted.calm else None
 
     def tuned(law: TimeLaw) -> TimeLaw:
-        return law if period is None else shaped(law, period)
+        return law if period is None else shaped(law, period, SWING_DAMPING)
 
     if not covered(rigging.scenario):
         least = _least_duration(rigging, lambda each: tuned(_plain(rigging, each)))
@@ -109,7 +110,7 @@ def shortest_laws(rigging: Rigging, wanted: Wanted) -> Laws | None:
             return None
         return Laws(lambda more: tuned(_plain(rigging, least * more)), None)
     pace = shortest(rigging, wanted.followed)
-    if pace.bound is None:
+    if pace is None:
         return None
 
     def law_of(more: float) -> TimeLaw:
@@ -159,7 +160,7 @@ def _least_jerk(found: Plan, wanted: Wanted) -> TimeLaw:
     if not wanted.calm:
         return _plain(found.rigging, duration)
     period = swing_period(found.scenario.payload)
-    return shaped(_plain(found.rigging, duration - period), period)
+    return shaped(_plain(found.rigging, duration - period), period, SWING_DAMPING)
 
 
 def _with_law(found: Plan, law: TimeLaw) -> Plan:

@@ -13,7 +13,7 @@ from jaxsusp.trajectory.jerklimited import jerk_limited
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.constraints import INSTANTS
 
-GRID = 150
+GRID = 200
 """Intervals on which the bound is computed."""
 
 KEPT = 1e-3
@@ -24,23 +24,28 @@ class Pace(NamedTuple):
     """A law and what is known of how fast one could be."""
 
     law: TimeLaw
-    bound: Profile | None  # the least time without a limit of jerk; None where unknown
+    bound: Profile  # the least time without limits of jerk and snap
 
 
-def shortest(rigging: Rigging, followed: bool = True) -> Pace:
+def shortest(rigging: Rigging, followed: bool = True) -> Pace | None:
     """The fastest law of bounded jerk that keeps the limits, for the path of a system.
 
     Args:
         rigging: in own units, a load held at one point from ends that stay; its own law is where
             the search begins.
         followed: whether a load that swings has to follow, see `demands.riding`.
+
+    Returns:
+        The law and a bound; None where not even a slow motion keeps the limits.
     """
     assert covered(rigging.scenario)
 
     def demanded(arc: np.ndarray) -> Demands:
         return demands_along(rigging, arc, followed)
 
-    bound = least_time(demanded(np.linspace(0, rigging.law.path.length, GRID + 1)))
+    bound = least_time(np.linspace(0, rigging.law.path.length, GRID + 1), demanded)
+    if bound is None or not np.isfinite(stretch_of(rigging.law, demanded)):
+        return None
     start = fitted(rigging.law, demanded)
     law = fitted(jerk_limited(start, demanded), demanded)
     return Pace(min(law, start, key=lambda each: each.duration), bound)

@@ -18,7 +18,7 @@ class Wanted(NamedTuple):
 
 
 def as_wanted(
-    scenario: Scenario, duration: str | float | None, calm: bool, followed: bool = True
+    scenario: Scenario, duration: str | int | float | None, calm: bool, followed: bool = True
 ) -> tuple[Scenario, Wanted]:
     """A task with the duration that is wanted, and how it is to be driven.
 

@@ -132,8 +132,8 @@ def simulation_table(simulation: Simulation, limits: Limits) -> pd.DataFrame:
     frame.attrs["columns"] = {"ok": Column("kept")}
     edge = min(EDGE, float(simulation.times[-1]) / 8)
     frame.attrs["caption"] = (
-        f"Errors between {edge:.3g} s after the start and {edge:.3g} s before the end; the load swings "
-        "freely, the cables only pull."
+        f"Errors between {edge:.3g} s after the start and {edge:.3g} s before the end; the load "
+        "swings freely, the cables only pull."
     )
     return frame
 
