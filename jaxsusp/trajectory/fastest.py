@@ -33,10 +33,6 @@ class Demands(NamedTuple):
     faces: Float[np.ndarray, "places faces xyz"]  # kg: n · acceleration may be …
     room: Float[np.ndarray, "places faces"]  # … at most so much, N
 
-    def acceleration_at(self, a: np.ndarray, b: np.ndarray) -> Float[np.ndarray, "places xyz"]:
-        """The load's acceleration (m/s²)."""
-        return self.along * a[:, None] + self.bend * b[:, None]
-
 
 class Profile(NamedTuple):
     """Squared speed and acceleration over arc length."""

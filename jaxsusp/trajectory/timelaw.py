@@ -20,29 +20,11 @@ class Motion(NamedTuple):
     jerk: Float[np.ndarray, "times xyz"]
 
 
-def minimum_jerk(share: Float[np.ndarray, "times"]) -> tuple[np.ndarray, ...]:
-    """The rest-to-rest law of least jerk and its first three derivatives.
-
-    s(τ) = 10 τ³ - 15 τ⁴ + 6 τ⁵ (Flash & Hogan 1985): velocity and acceleration vanish at both
-    ends, and the greatest speed is 15/8 of the mean.
-
-    Args:
-        share: τ, elapsed time over duration, in [0, 1].
-
-    Returns:
-        s, ds/dτ, d²s/dτ², d³s/dτ³.
-    """
-    t = share
-    return (
-        t**3 * (10 + t * (6 * t - 15)),
-        30 * t**2 * (1 - t) ** 2,
-        60 * t * (1 - t) * (1 - 2 * t),
-        60 + 360 * t * (t - 1),
-    )
-
-
 def minimum_jerk_law(length: float, duration: float) -> PPoly:
-    """The same law as one piece of degree 5: arc length (m) over time (s).
+    """The rest-to-rest law of least jerk, one piece of degree 5: arc length (m) over time (s).
+
+    s(τ) = 10 τ³ - 15 τ⁴ + 6 τ⁵ of the length (Flash & Hogan 1985): velocity and acceleration vanish
+    at both ends, and the greatest speed is 15/8 of the mean.
 
     Args:
         length: of the path (m).
