@@ -23,9 +23,9 @@ from jaxsusp.verify.simulation import simulate
 TITLE = "How smoothly, how fast, how calmly"
 PRINTED = ""
 DIFFERS = (
-    "The paper drives a Makima curve in a given time. What does a smoother path near it spare, how "
-    "much sooner can the load be there within the limits, and how much of its swing at the goal can "
-    "be shaped away?"
+    "The paper drives a Makima curve in a given time. What does a smoother path near it spare, "
+    "how much sooner can the load be there within the limits, and how much of its swing at the "
+    "goal can be shaped away?"
 )
 MADE = READ = ("pace",)
 MINUTES = 2.0
@@ -122,9 +122,9 @@ def findings(frame: pd.DataFrame) -> str:
         f"{100 * acceleration:.0f} % of the peak acceleration of the curve that was searched, in "
         f"the median. Within the limits the load is there after {frame['returned'].min():.1f} to "
         f"{frame['returned'].max():.1f} s instead of {frame['nominal'].iloc[0]:g} s, "
-        f"{ratio.min():.2f} to {ratio.max():.2f} times the least time in which any law, of whatever "
-        "jerk, would do on that path. What separates the two is that a load that swings has to "
-        "follow in simulation. A calm law leaves "
+        f"{ratio.min():.2f} to {ratio.max():.2f} times the least time in which any law, of "
+        "whatever jerk, would do on that path. What separates the two is that a load that swings "
+        "has to follow in simulation. A calm law leaves "
         f"at most {100 * calm:.1f} % of the swing that the minimum-jerk law of the same duration, "
         f"{LONGER:g} times the shortest, leaves at the goal."
     )

@@ -6,9 +6,9 @@ Accelerations are limited along the axes, on paths that wind.
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
-from toppra.interpolator import AbstractGeometricPath
 from toppra.algorithm import TOPPRA
 from toppra.constraint import DiscretizationType, JointAccelerationConstraint
+from toppra.interpolator import AbstractGeometricPath
 
 from jaxsusp.trajectory.fastest import Demands, least_time
 from jaxsusp.trajectory.smoothpath import SmoothPath
