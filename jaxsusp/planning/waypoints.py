@@ -36,6 +36,7 @@ def plan_through(
     settings: Mapping[str, Any] | None = None,
     duration: str | int | float | None = None,
     calm: bool = False,
+    smooth: bool = True,
 ) -> Plan:
     """The plan that goes through given waypoints, checked.
 
@@ -53,6 +54,8 @@ def plan_through(
         duration: seconds from rest to rest, default the scenario's; or "shortest": as short as
             limits allow. A swing of the load is limited, but nothing is played here.
         calm: whether the law is shaped so that nothing swings on at the goal.
+        smooth: whether the path may leave Makima's samples to be smoother; where not, a plan shows
+            what was searched.
 
     Returns:
         A `Plan`, feasible or with reasons.
@@ -74,7 +77,8 @@ def plan_through(
             elbow_up.shape == (len(scenario.robots),),
             f"elbow_up: got shape {elbow_up.shape}; give one truth value per robot",
         )
-    return laid(scenario, waypoints, beside, samples, wanted, elbow_up, settings).stated(asked)
+    found = laid(scenario, waypoints, beside, samples, wanted, elbow_up, settings, smooth)
+    return found.stated(asked)
 
 
 def laid(
@@ -85,13 +89,14 @@ def laid(
     wanted: Wanted,
     elbow_up: Any = None,
     settings: Mapping[str, Any] | None = None,
+    smooth: bool = True,
 ) -> Plan:
     """The same of what is right already, all in own units."""
     path = sample_path(scenario, waypoints, samples)
     rule = ends_beside(scenario, path) if ends is None else ends.reshape(-1, *ends.shape[-2:])
     law = TimeLaw.through(path, scenario.task.duration)
     found = plan_along(scenario, waypoints, law, rule, elbow_up, settings)
-    return smoothest(found, lambda plan: driven(plan, wanted))
+    return smoothest(found, lambda plan: driven(plan, wanted)) if smooth else driven(found, wanted)
 
 
 def sample_path(scenario: Scenario, waypoints: np.ndarray, samples: int) -> np.ndarray:
