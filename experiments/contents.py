@@ -29,6 +29,7 @@ NAMES = (
     "studies.sensitivity",
     "studies.cable_check",
     "studies.difficulty",
+    "studies.pace",
     "claims.ledger",
 )
 """Modules of this folder; what stands later may read the data of what stands before it."""

@@ -9,3 +9,6 @@ TAUT = "taut"
 
 COORDINATIONS = ("alternation", "joint")
 """How ends that stay are placed with the load."""
+
+SHORTEST = "shortest"
+"""The duration of a motion that is as fast as its limits allow; beside a number of seconds."""

@@ -10,6 +10,7 @@ from jaxsusp.errors import InputError, ScenarioError
 from jaxsusp.planning.document import REMEDY, numbers, read, restored
 from jaxsusp.planning.plan import ARRAYS, Plan
 from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.trajectory.smoothpath import SmoothPath
 from jaxsusp.verify.certificate import Certificate, Clearance, Contact
 from jaxsusp.verify.constraints import Check
 
@@ -36,12 +37,12 @@ def load_plan(path: str | os.PathLike[str]) -> Plan:
 
 
 def _plan(document: dict[str, Any], path: Path) -> Plan:
-    document = _brought_up(document)
     scenario = Scenario.from_toml(document["scenario"], path)
     if scenario.digest != document["scenario_digest"]:
         changed = any(obstacle.kind == "mesh" for obstacle in scenario.obstacles)
         what = "a mesh that its scenario names" if changed else "what its scenario means"
         raise InputError(f"{path}: {what} has changed since; restore it or plan again")
+    document = _brought_up(document, scenario.task.duration)
     arrays, sizes = {}, {"cables": len(scenario.robots)}
     for field, (name, shape) in ARRAYS.items():
         array = np.array(numbers(document[name]), np.float64)
@@ -55,6 +56,9 @@ def _plan(document: dict[str, Any], path: Path) -> Plan:
         arrays[field] = array
     if sizes["rows"] not in (1, sizes["points"]) or sizes["points"] < 3:
         raise ValueError(f"{sizes['rows']} rows of end_path_m beside {sizes['points']} of path_m")
+    times, arc = arrays["law_times"], arrays["law_arc"]
+    if len(times) < 2 or times[0] != 0 or (np.diff(times) <= 0).any() or (np.diff(arc) < 0).any():
+        raise ValueError("law_times_s or law_arc_m does not rise from 0")
     certificate = document["certificate"]
     return Plan(
         scenario,
@@ -72,12 +76,22 @@ def _plan(document: dict[str, Any], path: Path) -> Plan:
     )
 
 
-def _brought_up(document: dict[str, Any]) -> dict[str, Any]:
-    """A document of an older schema as one of this: plans of the first had still ends and hooks."""
-    if document["schema"] > 1:
-        return document
-    level = [[0.0] * 3 for _ in document["times_s"]]
-    return {**document, "end_path_m": [document["ends_m"]], "angles_rad": level}
+def _brought_up(document: dict[str, Any], duration: float) -> dict[str, Any]:
+    """A document of an older schema as one of this.
+
+    Plans of the first had still ends and hooks, those of the first two the minimum-jerk law.
+    """
+    if document["schema"] < 2:
+        level = [[0.0] * 3 for _ in document["times_s"]]
+        document = {**document, "end_path_m": [document["ends_m"]], "angles_rad": level}
+    if document["schema"] < 3:
+        length = SmoothPath(np.array(numbers(document["path_m"]), np.float64)).length
+        rest = [0.0, 0.0]
+        document = {
+            **document, "law_times_s": [0.0, duration], "law_arc_m": [0.0, length],
+            "law_speed_m_per_s": rest, "law_acceleration_m_per_s2": rest,
+        }  # fmt: skip
+    return document
 
 
 def _pair(table: dict[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """A plan: everything it takes to carry out a task, with the checks it went through.
 
-All of it follows from a scenario, the waypoints, the ends and the arms' elbows, see `through`. A
-plan holds the results as well, so that it can be used without this package.
+All of it follows from a scenario, the points of the path, the time law, the ends and the arms'
+elbows, see `motion.along`. A plan holds the results as well, so that it can be used without this
+package.
 """
 
 import csv
@@ -23,6 +24,7 @@ from jaxsusp.scenario.ownunits import PLACE
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.suspension.cableloads import Loads
 from jaxsusp.suspension.rigging import Rigging
+from jaxsusp.trajectory.smoothpath import SmoothPath
 from jaxsusp.trajectory.timelaw import Motion, TimeLaw
 from jaxsusp.verify.certificate import Certificate
 from jaxsusp.verify.constraints import Check
@@ -30,7 +32,8 @@ from jaxsusp.verify.constraints import Check
 UNITS = {
     "waypoints": PLACE, "path": PLACE, "end_path": PLACE, "times": "s", "position": PLACE,
     "velocity": "m/s", "acceleration": "m/s²", "jerk": "m/s³", "lengths": "m", "tensions": "N",
-    "angles": "rad", "ends": PLACE, "joints": "rad",
+    "angles": "rad", "ends": PLACE, "joints": "rad", "law_times": "s", "law_arc": "m",
+    "law_speed": "m/s", "law_acceleration": "m/s²",
 }  # fmt: skip
 """Units of the arrays of a plan."""
 
@@ -38,6 +41,10 @@ ARRAYS = {
     "waypoints": ("waypoints_m", ("waypoints", 3)),
     "path": ("path_m", ("points", 3)),
     "end_path": ("end_path_m", ("rows", "cables", 3)),
+    "law_times": ("law_times_s", ("breaks",)),
+    "law_arc": ("law_arc_m", ("breaks",)),
+    "law_speed": ("law_speed_m_per_s", ("breaks",)),
+    "law_acceleration": ("law_acceleration_m_per_s2", ("breaks",)),
     "times": ("times_s", ("samples",)),
     "position": ("position_m", ("samples", 3)),
     "velocity": ("velocity_m_per_s", ("samples", 3)),
@@ -64,8 +71,12 @@ class Plan(Shown):
     feasible: bool
     reasons: tuple[str, ...]
     waypoints: Float[np.ndarray, "waypoints xyz"]
-    path: Float[np.ndarray, "points xyz"]  # Makima samples that the smooth path goes through
+    path: Float[np.ndarray, "points xyz"]  # beside Makima's; the smooth path goes through them
     end_path: Float[np.ndarray, "rows cables xyz"]  # ends beside `path`; one row if they stay
+    law_times: Float[np.ndarray, "breaks"]  # when the load is how far along the path, how fast, and
+    law_arc: Float[np.ndarray, "breaks"]  # with which s̈, see `TimeLaw.passing`
+    law_speed: Float[np.ndarray, "breaks"]
+    law_acceleration: Float[np.ndarray, "breaks"]
     times: Float[np.ndarray, "samples"]
     position: Float[np.ndarray, "samples xyz"]
     velocity: Float[np.ndarray, "samples xyz"]
@@ -101,7 +112,8 @@ class Plan(Shown):
     @cached_property
     def law(self) -> TimeLaw:
         """The motion at any time."""
-        return TimeLaw.through(self.path, self.scenario.task.duration)
+        states = self.law_times, self.law_arc, self.law_speed, self.law_acceleration
+        return TimeLaw.passing(SmoothPath(self.path), *states)
 
     @cached_property
     def rigging(self) -> Rigging:

@@ -19,8 +19,9 @@ from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.choices import require_algorithm
 from jaxsusp.optim.registry import algorithm as algorithm_of
-from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
+from jaxsusp.planning.choices import COORDINATIONS, ENDS, SHORTEST, TAUT
 from jaxsusp.planning.feasibility import require_possible
+from jaxsusp.planning.motion.wanted import as_wanted
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import rank, with_settings
 from jaxsusp.planning.refusal import explained, require_way, unhurried, why_not
@@ -63,6 +64,8 @@ def plan(
     search: str = SEARCHES[0],
     coordination: str = "alternation",
     simulate: bool = True,
+    duration: str | int | float | None = None,
+    calm: bool = False,
     progress: Callable[[Event], None] | None = None,
 ) -> Plan:
     """Plan a task, and verify it on the real curve.
@@ -92,6 +95,10 @@ def plan(
         coordination: of placed ends with the load: "alternation" or "joint" (D = 3m + 2K + 1).
         simulate: whether plans are played in simulation and have to follow; where not,
             `settings["simulated"]` says so.
+        duration: seconds from rest to rest, default the scenario's; or "shortest": the law along
+            the path is then as fast as limits allow, and as a swinging load follows where plans are
+            played. The search is in the scenario's duration in any case.
+        calm: whether the law is shaped so that the load does not swing on at the goal.
         progress: called when something begins, see `Event`.
 
     Returns:
@@ -104,14 +111,14 @@ def plan(
         InputError: bad settings, a system that planning does not cover, or no taut way where
             nothing else is to be tried.
     """
-    stated = load_scenario(scenario)
+    stated, wanted = as_wanted(load_scenario(scenario), duration, calm, simulate)
     scenario = stated.own
     require_rule(scenario)
     if isinstance(algorithm, str):
         require_algorithm(algorithm, [TAUT])
     settings = Settings(
         None if algorithm == TAUT else algorithm_of(algorithm), ends, coordination, runs,
-        iterations, population, seed, samples, search, simulate,
+        iterations, population, seed, samples, search, simulate, wanted,
     )  # fmt: skip
     _require_sense(scenario, settings)
     require_count("waypoints", waypoints)
@@ -142,10 +149,12 @@ def plan(
             "the free space here; give one that searches"
         )
     asked = settings._asdict()
-    del asked["told"], asked["price"], asked["simulate"]
+    del asked["told"], asked["price"], asked["simulate"], asked["wanted"]
     optimizer = asked.pop("optimizer")
     asked["algorithm"] = TAUT if optimizer is None else optimizer.name
-    best = unhurried(tally.best)
+    if wanted.shortest or wanted.calm:
+        asked |= {"duration": SHORTEST if wanted.shortest else stated.task.duration, "calm": calm}
+    best = tally.best if wanted.shortest else unhurried(tally.best)
     best = (explained(best, ends) if best is tally.best else best).stated(stated)
     return with_settings(best, **asked, retries=retries, attempts=made, runs_made=tally.runs)
 

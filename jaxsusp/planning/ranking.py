@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxsusp._types import Float
 from jaxsusp.planning.margins import with_ends_at
 from jaxsusp.planning.plan import Plan
 from jaxsusp.problem.fitness import position_terms
@@ -36,14 +37,22 @@ def simulated_problems(plan: Plan) -> tuple[str, ...]:
     return tuple(simulate(plan.rigging).problems(scenario.limits, scenario.frame))
 
 
-def fitness_of(scenario: Scenario, found: Plan) -> float:
-    """Eq. 21 of a plan in float64, without any margin."""
-    moved = scenario if found.rigging.moves else with_ends_at(scenario, found.ends)
+def fitness_of(
+    scenario: Scenario,
+    path: Float[np.ndarray, "samples xyz"],
+    end_path: Float[np.ndarray, "rows cables xyz"],
+) -> float:
+    """Eq. 21 of what was searched, Makima's samples and the ends beside them, without any margin.
+
+    In float64; the smooth path is another one, and not what algorithms are compared by.
+    """
+    moves = len(end_path) > 1
+    moved = scenario if moves else with_ends_at(scenario, end_path[0])
     with jax.enable_x64(True):
         world = cast_world(build_world(moved, rounded_counts(moved)), np.float64)
-        ends = pack_rows(jnp.asarray(found.end_path)) if found.rigging.moves else None
+        ends = pack_rows(jnp.asarray(end_path)) if moves else None
         with_stability = moved.limits.stability > 0
-        position = Vec3.from_array(jnp.asarray(found.path))
+        position = Vec3.from_array(jnp.asarray(path))
         return float(_terms(world, position, with_stability, moved.drive, ends).total)
 
 

@@ -1,7 +1,8 @@
 """A finished plan checked against everything that is known about it.
 
-The plan is worked out anew from its waypoints and ends, on the real curve; what it says is compared
-with that, and looked at itself where it differs; and it is played in simulation.
+The plan is worked out anew from the points of its path, its law and its ends, on the real curve;
+what it says is compared with that, and looked at itself where it differs; and it is played in
+simulation.
 """
 
 from typing import NamedTuple
@@ -11,17 +12,24 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp.mechanics import arm
+from jaxsusp.planning.motion.along import plan_of
+from jaxsusp.planning.motion.smooth import RADII
 from jaxsusp.planning.plan import UNITS, Plan
-from jaxsusp.planning.waypoints import plan_through
+from jaxsusp.planning.waypoints import sample_path
 from jaxsusp.scenario.ownunits import PLACE, TOUCH
+from jaxsusp.suspension.rigging import Rigging
+from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.pairs import KINDS, System
 from jaxsusp.verify.scene import Scene
 from jaxsusp.verify.simulation import Simulation, simulate
 
-TOLERANCES = {name: 1e-6 for name in UNITS if name not in ("waypoints", "end_path")} | {
+STATED = ("waypoints", "path", "end_path", "law_times", "law_arc", "law_speed", "law_acceleration")
+"""What a plan states; the rest follows."""
+
+TOLERANCES = {name: 1e-6 for name in UNITS if name not in STATED} | {
     "jerk": 1e-5, "tensions": 1e-4,
 }  # fmt: skip
-"""How much each array may differ from what follows from waypoints and ends, in own units."""
+"""How much each array may differ from what follows from path, law and ends, in own units."""
 
 
 CABLES_TO_ARMS = KINDS.index("cables to arms")
@@ -47,11 +55,10 @@ def verify_plan(plan: Plan, simulation: bool | Simulation = True) -> Verificatio
     Returns:
         A `Verification`; `reasons` holds one sentence per fault, those of the motion first.
     """
-    ends = plan.end_path if plan.rigging.moves else plan.end_path[0]
-    anew = plan_through(
-        plan.scenario, plan.waypoints, ends, len(plan.path), elbow_up=plan.rigging.elbow_up
-    )
-    reasons = list(anew.reasons)
+    rigging, units = plan.rigging.own, plan.scenario.units
+    waypoints = units.inside(plan.waypoints)
+    anew = plan_of(rigging, waypoints, certify(rigging)).stated(plan.scenario)
+    reasons = [*anew.reasons, *_strays(plan, rigging, waypoints), *_not_at_rest(plan)]
     for name in TOLERANCES:
         reasons += _differences(plan, anew, name)
     seen = simulation if isinstance(simulation, Simulation) else None
@@ -60,6 +67,29 @@ def verify_plan(plan: Plan, simulation: bool | Simulation = True) -> Verificatio
     if seen is not None:
         reasons += seen.problems(anew.scenario.limits)
     return Verification(not reasons, tuple(reasons), anew, seen)
+
+
+def _strays(plan: Plan, rigging: Rigging, waypoints: np.ndarray) -> list[str]:
+    """Whether a path is none that smoothing makes of the curve through its waypoints."""
+    path = rigging.law.path.points
+    off = np.abs(path - sample_path(rigging.scenario, waypoints, len(path))).max(axis=1)
+    row, most = int(off.argmax()), RADII[0] + TOUCH
+    if off[row] <= most:
+        return []
+    off, most = plan.scenario.units.number(np.array([off[row], most]), "m")
+    return [
+        f"path is {off:.4g} m off the curve through its waypoints at row {row}; smoothing moves it "
+        f"by {most:.4g} m at most"
+    ]
+
+
+def _not_at_rest(plan: Plan) -> list[str]:
+    """Whether a law does not lead from rest at the start to rest at the goal."""
+    _, arc, speed, acceleration = plan.rigging.own.law.states
+    ends = [arc[0], arc[-1] - plan.rigging.own.law.path.length, *speed[[0, -1]]]
+    if np.abs([*ends, *acceleration[[0, -1]]]).max() <= TOUCH:
+        return []
+    return ["law does not lead from rest at the start of the path to rest at its end"]
 
 
 _STEPS = 1e4
@@ -83,15 +113,15 @@ def _differences(plan: Plan, anew: Plan, name: str) -> list[str]:
     worst = off[row].max()
     when = f" at {plan.times[row]:.2f} s" if len(stored) == len(plan.times) else ""
     found = [
-        f"{name} differs from what follows from waypoints and ends by {worst:.4g} {unit}{when} "
+        f"{name} differs from what follows from path, law and ends by {worst:.4g} {unit}{when} "
         f"(row {row})"
     ]
     if name == "tensions":
         found += _broken(plan, stored, "tension", plan.scenario.limits.tension, "N")
     if name == "lengths":
         found += _broken(plan, stored, "length", plan.scenario.limits.cable_length, "m")
-    if name in ("position", "path"):
-        found += _contacts(anew, stored, anew.ends if name == "position" else anew.end_path)
+    if name == "position":
+        found += _contacts(anew, stored, anew.ends)
     if name == "joints":
         found += _misses(plan, anew)
     return found

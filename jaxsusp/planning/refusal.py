@@ -20,13 +20,14 @@ from jaxsusp.freespace.cells.subdivision import Cells, subdivide
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.planning.feasibility import ImpossibleTaskError, trouble, worst_tension
+from jaxsusp.planning.motion.along import plan_along
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import simulated_problems
-from jaxsusp.planning.waypoints import plan_through
 from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
 from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.suspension.heldway import HOOK, SEPARATE, least_excess
+from jaxsusp.trajectory.timelaw import TimeLaw
 
 LONGER = 1.25
 """Ratio of the durations that are tried."""
@@ -267,8 +268,6 @@ def _slower(plan: Plan, steps: int) -> Plan:
     """The plan's way in a duration so many steps longer."""
     scenario = plan.scenario
     task = scenario.task.model_copy(update={"duration": scenario.task.duration * LONGER**steps})
-    ends = plan.end_path if plan.rigging.moves else plan.end_path[0]
-    return plan_through(
-        scenario.model_copy(update={"task": task}), plan.waypoints, ends, len(plan.path),
-        elbow_up=plan.rigging.elbow_up,
-    )  # fmt: skip
+    scenario = scenario.model_copy(update={"task": task})
+    law = TimeLaw.least_jerk(plan.law.path, task.duration)
+    return plan_along(scenario, plan.waypoints, law, plan.end_path, plan.rigging.elbow_up)

@@ -26,13 +26,16 @@ from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
+from jaxsusp.planning.motion.drive import followed
+from jaxsusp.planning.motion.wanted import Wanted
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import fitness_of, simulated_problems, with_settings
-from jaxsusp.planning.waypoints import plan_through
+from jaxsusp.planning.waypoints import laid, sample_path
 from jaxsusp.problem.hardturns import PRICE, gently
 from jaxsusp.problem.problem import Problem, Suspension, stack_problems
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, rounded_counts, rounded_up
+from jaxsusp.suspension.rigging import ends_beside
 
 LEAST_FOR_ENDS = 30
 """Iterations of a search for ends at least; a third of those for the load if that is more."""
@@ -57,6 +60,7 @@ class Settings(NamedTuple):
     samples: int
     search: str
     simulate: bool = True  # whether plans are played, and have to follow
+    wanted: Wanted = Wanted()  # how paths are driven
     told: Callable[[str], None] = lambda phase: None
     price: float = PRICE  # on hard turns
 
@@ -195,8 +199,10 @@ def checked(
     settings.told("checking")
     x, ends = candidate
     waypoints = np.asarray(x, np.float64).reshape(-1, 3)
-    found = plan_through(scenario, waypoints, ends, settings.samples)
-    fitness = fitness_of(scenario, found)
+    found = laid(scenario, waypoints, ends, settings.samples, settings.wanted)
+    path = sample_path(scenario, waypoints, settings.samples)
+    beside = ends_beside(scenario, path) if ends is None else ends.reshape(-1, *ends.shape[-2:])
+    fitness = fitness_of(scenario, path, beside)
     return with_settings(found, fitness=fitness, way=way, simulated=False)
 
 
@@ -205,6 +211,8 @@ def played(settings: Settings, found: Plan) -> Plan:
     if not (settings.simulate and found.feasible):
         return found
     settings.told("simulating")
+    if settings.wanted.shortest:
+        return with_settings(followed(found, settings.wanted), simulated=True)
     problems = simulated_problems(found)
     found = replace(found, feasible=not problems, reasons=problems)
     return with_settings(found, simulated=True)

@@ -1,7 +1,4 @@
-"""A plan through given waypoints, worked out and checked on the real curve.
-
-All of a plan follows from a scenario, the waypoints, the ends and the arms' elbows.
-"""
+"""A plan through given waypoints, laid on the smoothest path that stands, and checked."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -13,16 +10,17 @@ import numpy as np
 from jaxsusp._types import Array, Float
 from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.mechanics.drives import moving
-from jaxsusp.mechanics.posture.load import angles
+from jaxsusp.planning.motion.along import plan_along
+from jaxsusp.planning.motion.drive import driven
+from jaxsusp.planning.motion.smooth import smoothest
+from jaxsusp.planning.motion.wanted import Wanted, as_wanted
 from jaxsusp.planning.plan import Plan
-from jaxsusp.scenario.ownunits import UNCHANGED, Frame
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
-from jaxsusp.suspension.rigging import Rigging, ends_beside
+from jaxsusp.suspension.rigging import ends_beside
 from jaxsusp.trajectory.makima import makima
 from jaxsusp.trajectory.timelaw import TimeLaw
-from jaxsusp.verify.certificate import Certificate, certify
-from jaxsusp.verify.constraints import TURN, Check, constraint_report
 
 FAR = 1e6
 """The greatest coordinate of waypoints and ends, in the task's own units."""
@@ -36,8 +34,14 @@ def plan_through(
     *,
     elbow_up: Any = None,
     settings: Mapping[str, Any] | None = None,
+    duration: str | int | float | None = None,
+    calm: bool = False,
+    smooth: bool = True,
 ) -> Plan:
     """The plan that goes through given waypoints, checked.
+
+    Its path is the smoothest one near Makima's curve through them that keeps what that one keeps,
+    see `motion.smooth`, and is driven with the minimum-jerk law or what else is asked for.
 
     Args:
         scenario: the task, or its name or file.
@@ -47,6 +51,11 @@ def plan_through(
         samples: number n of samples of the path and of the plan.
         elbow_up: of every robot; default chosen, see `jaxsusp.suspension.armclearance`.
         settings: kept with the plan.
+        duration: seconds from rest to rest, default the scenario's; or "shortest": as short as
+            limits allow. A swing of the load is limited, but nothing is played here.
+        calm: whether the law is shaped so that nothing swings on at the goal.
+        smooth: whether the path may leave Makima's samples to be smoother; where not, a plan shows
+            what was searched.
 
     Returns:
         A `Plan`, feasible or with reasons.
@@ -55,45 +64,39 @@ def plan_through(
         InputError: shapes that do not fit, numbers that are not finite, or a system that planning
             does not cover.
     """
-    asked = load_scenario(scenario)
+    asked, wanted = as_wanted(load_scenario(scenario), duration, calm)
     scenario = asked.own
     require_rule(scenario)
     require_count("samples", samples, least=3)
     waypoints = _points("waypoints", waypoints, asked.units)
     require(len(waypoints) > 0, "waypoints: none given; give one or more")
-    path = sample_path(scenario, waypoints, samples)
-    law = TimeLaw.through(path, scenario.task.duration)
-    end_path = ends_beside(scenario, path) if ends is None else _end_path(asked, ends, samples)
+    beside = None if ends is None else _end_path(asked, ends, samples)
     if elbow_up is not None:
         elbow_up = np.array(elbow_up, bool)
         require(
             elbow_up.shape == (len(scenario.robots),),
             f"elbow_up: got shape {elbow_up.shape}; give one truth value per robot",
         )
-    rigging = Rigging.of(scenario, law, end_path, elbow_up)
-    certificate = certify(rigging)
-    report = constraint_report(rigging, certificate)
-    reasons = tuple(_reasons(report, certificate, scenario.frame))
-    times = np.linspace(0, scenario.task.duration, samples)
-    along, loads = rigging.ends_at(law.parameter(times)), rigging.loads(times)
-    return Plan(
-        scenario,
-        not reasons,
-        reasons,
-        waypoints,
-        path,
-        end_path,
-        times,
-        *law.at(times),
-        loads.lengths,
-        loads.tensions,
-        _angles(loads.posture),
-        along if rigging.moves else end_path[0],
-        rigging.joints_at(along),
-        report,
-        certificate,
-        dict(settings or {}),
-    ).stated(asked)
+    found = laid(scenario, waypoints, beside, samples, wanted, elbow_up, settings, smooth)
+    return found.stated(asked)
+
+
+def laid(
+    scenario: Scenario,
+    waypoints: Float[np.ndarray, "waypoints xyz"],
+    ends: Float[np.ndarray, "*rows cables xyz"] | None,
+    samples: int,
+    wanted: Wanted,
+    elbow_up: Any = None,
+    settings: Mapping[str, Any] | None = None,
+    smooth: bool = True,
+) -> Plan:
+    """The same of what is right already, all in own units."""
+    path = sample_path(scenario, waypoints, samples)
+    rule = ends_beside(scenario, path) if ends is None else ends.reshape(-1, *ends.shape[-2:])
+    law = TimeLaw.through(path, scenario.task.duration)
+    found = plan_along(scenario, waypoints, law, rule, elbow_up, settings)
+    return smoothest(found, lambda plan: driven(plan, wanted)) if smooth else driven(found, wanted)
 
 
 def sample_path(scenario: Scenario, waypoints: np.ndarray, samples: int) -> np.ndarray:
@@ -119,14 +122,6 @@ def _end_path(scenario: Scenario, given: Any, samples: int) -> np.ndarray:
         f"ends: got an array of shape {ends.shape} for {count} robots; {what}: shape {shape}, in m",
     )
     return _near("ends", scenario.units.inside(ends), scenario.units).reshape(-1, count, 3)
-
-
-def _angles(posture: np.ndarray) -> np.ndarray:
-    with jax.enable_x64(True):
-        return np.asarray(_angles_of(jnp.asarray(posture)))
-
-
-_angles_of = jax.jit(jax.vmap(angles))
 
 
 def _points(name: str, given: Any, units: Frame) -> np.ndarray:
@@ -156,38 +151,3 @@ def _numbers(name: str, given: Any) -> np.ndarray:
         return np.array(given, np.float64)
     except (TypeError, ValueError):
         raise InputError(f"{name}: is no array of numbers; give rows of x, y, z in m") from None
-
-
-def _reasons(
-    report: tuple[Check, ...], certificate: Certificate, frame: Frame = UNCHANGED
-) -> list[str]:
-    """What is wrong: limits, and the first time at which each pair comes too close.
-
-    Args:
-        report: of limits.
-        certificate: of distances.
-        frame: how their numbers become SI units.
-    """
-    found = [
-        f"level is no equilibrium: {each.reason}" if each.name == TURN else each.reason
-        for each in (line.stated(frame) for line in report)
-        if not each.ok and not each.name.startswith("distance of")
-    ]
-    for contact in certificate.stated(frame).contacts:
-        one, other = contact.bodies
-        required = f"the {contact.required:.4g} m required"
-        if contact.least <= 0:
-            found.append(
-                f"{one} hits {other}: it is nearer than {required} from {contact.time:.2f} s"
-            )
-        else:
-            found.append(
-                f"{one} comes as near as {contact.least:.4g} m to {other}, nearer than {required} "
-                f"from {contact.time:.2f} s"
-            )
-    if not certificate.proved and not certificate.contacts:
-        found.append(
-            f"clearance was not proved after {certificate.distances} distances; move the path "
-            "away from what it grazes"
-        )
-    return found

@@ -29,6 +29,11 @@ _KINDS = '"box", "cylinder", "sphere" or "mesh"'
 
 _INSTEAD = {
     "joint_limits_deg": ("[[[-180.0, 180.0], [-90.0, 90.0], [-170.0, 170.0]]]", "no limits"),
+    "speed": ("0.5", "no limit"),
+    "acceleration": ("0.5", "no limit"),
+    "jerk": ("1.0", "no limit"),
+    "cable_speed": ("0.5", "no limit"),
+    "joint_speed_deg": ("90.0", "90 for arms that move"),
 }
 """Of keys whose default cannot be written: an example, and what the default is in words."""
 

@@ -89,6 +89,19 @@ class Limits(_Section):
         default=None,
         description="three [low, high] pairs in degrees per robot, or once for all robots",
     )
+    speed: Positive | None = Field(
+        default=None, description="the greatest speed of the load in m/s"
+    )
+    acceleration: Positive | None = Field(
+        default=None, description="the greatest acceleration of the load in m/s²"
+    )
+    jerk: Positive | None = Field(default=None, description="the greatest jerk of the load in m/s³")
+    cable_speed: Positive | None = Field(
+        default=None, description="the greatest speed in m/s at which a cable is let out or wound"
+    )
+    joint_speed_deg: Positive | None = Field(
+        default=None, description="the greatest speed of a joint in degrees per second"
+    )
 
 
 class Workspace(_Section):

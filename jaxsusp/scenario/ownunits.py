@@ -48,7 +48,8 @@ UNITS: dict[str, dict[str, str]] = {
     },
     "limits": {
         "tension": "N", "cable_length": "m", "clearance": "m", "cable_radius": "m",
-        "separation": "m",
+        "separation": "m", "speed": "m/s", "acceleration": "m/s²", "jerk": "m/s³",
+        "cable_speed": "m/s", "joint_speed_deg": "°/s",
     },
     "workspace": {"lower": PLACE, "upper": PLACE},
     "ground": {"height": HEIGHT},
@@ -169,8 +170,8 @@ def _section(section: Any, units: dict[str, str], frame: Frame, rule: Rule) -> A
 
 
 def _value(value: Any, unit: str, frame: Frame, rule: Rule) -> Any:
-    """A number, a place, or nested tuples of numbers; a word is kept."""
-    if isinstance(value, str):
+    """A number, a place, or nested tuples of numbers; a word, or no limit, is kept."""
+    if value is None or isinstance(value, str):
         return value
     if isinstance(value, tuple) and unit != PLACE:
         return tuple(_value(each, unit, frame, rule) for each in value)

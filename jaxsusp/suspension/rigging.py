@@ -23,7 +23,7 @@ from jaxsusp.suspension.armclearance import choose_elbows
 from jaxsusp.suspension.cableloads import Loads, cable_loads
 from jaxsusp.suspension.hanging import in_blocks
 from jaxsusp.suspension.levelload import ends_at
-from jaxsusp.trajectory.smoothpath import Spline
+from jaxsusp.trajectory.smoothpath import SmoothPath, Spline
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.vec3 import Vec3, rows_of
 
@@ -72,8 +72,8 @@ class Rigging:
         units = self.scenario.units
         if units == UNCHANGED:
             return self
-        duration = self.law.duration / units.factor("s")
-        law = TimeLaw.through(units.inside(self.law.path.points), duration)
+        path = SmoothPath(units.inside(self.law.path.points))
+        law = self.law.restated(path, 1 / units.factor("m"), 1 / units.factor("s"))
         return Rigging(self.scenario.own, law, units.inside(self.end_path), self.elbow_up)
 
     @property

@@ -1,8 +1,9 @@
 """A smooth curve through the samples of a trajectory, measured by its length.
 
 Makima is only C1: along it the acceleration jumps at every knot. A finished plan therefore runs
-on a quintic spline (C4, so that the jerk is continuous) through the Makima samples. The curve is
-not the one that was searched: whoever uses it checks it again.
+on a quintic spline (C4, so that the jerk is continuous) through the Makima samples, or through
+samples beside them (`smoothing`). The curve is not the one that was searched: whoever uses it
+checks it again.
 """
 
 import math
@@ -12,13 +13,24 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import BSpline, CubicHermiteSpline, make_interp_spline
 
-from jaxsusp._types import Float
+from jaxsusp._types import Float, Int
 from jaxsusp.errors import require
 
 _PIECES = 32
 """Parts of a span in the table of arc lengths."""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+
+
+def natural_quintic(
+    u: Float[np.ndarray, "knots"], values: Float[np.ndarray, "knots parts"]
+) -> BSpline:
+    """The quintic spline whose third and fourth derivative vanish at both ends.
+
+    Of all curves through the values it is the one of least ∫ |v'''|² du.
+    """
+    still = [(order, np.zeros(values.shape[1])) for order in (3, 4)]
+    return make_interp_spline(u, values, k=5, bc_type=(still, still))
 
 
 class Spline:
@@ -32,9 +44,8 @@ class Spline:
     """
 
     def __init__(self, u: Float[np.ndarray, "knots"], values: Float[np.ndarray, "knots parts"]):
-        still = [(order, np.zeros(values.shape[1])) for order in (3, 4)]
         self.u = u
-        self.curve: BSpline = make_interp_spline(u, values, k=5, bc_type=(still, still))
+        self.curve: BSpline = natural_quintic(u, values)
         first = self.curve.derivative()
         second = first.derivative()
         self.derivatives = first, second, second.derivative()
@@ -98,6 +109,12 @@ class SmoothPath:
             number, u = np.interp(halves, rows, number), np.interp(halves, rows, u)
         return u, number
 
+    @property
+    def marks(self) -> tuple[Float[np.ndarray, "samples"], Int[np.ndarray, "distinct"]]:
+        """The parameter of every point, and which points are not where the one before is."""
+        u, moves = self._chords
+        return u, np.flatnonzero(moves)
+
     def beside(self, rows: Float[np.ndarray, "samples *parts"]) -> Spline:
         """A spline in this path's parameter, through one row of values per point."""
         u, number = self._knots
@@ -126,6 +143,20 @@ class SmoothPath:
     def derivatives(self) -> tuple[BSpline, BSpline, BSpline]:
         """p', p'' and p''' with respect to u."""
         return self.spline.derivatives
+
+    def by_arc(self, u: Float[np.ndarray, "places"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """First to third derivative of the curve with respect to its arc length (1, 1/m, 1/m²).
+
+        With σ = |p'| the parameter follows from σ du/ds = 1 and its derivatives.
+        """
+        p1, p2, p3 = (derivative(u) for derivative in self.derivatives)
+        speed = np.maximum(np.linalg.norm(p1, axis=-1, keepdims=True), 1e-9)
+        along = _rows(p1, p2) / speed  # dσ/du
+        bend = (_rows(p2, p2) + _rows(p1, p3) - along**2) / speed  # d²σ/du²
+        u1 = 1 / speed
+        u2 = -along * u1**2 / speed
+        u3 = -(bend * u1**3 + 3 * along * u1 * u2) / speed
+        return p1 * u1, p1 * u2 + p2 * u1**2, p1 * u3 + 3 * p2 * u1 * u2 + p3 * u1**3
 
     @property
     def span(self) -> tuple[float, float]:
@@ -164,6 +195,10 @@ class SmoothPath:
         u = np.clip(self._inverse(arc), *self.span)
         speed = np.maximum(np.linalg.norm(self.derivatives[0](u), axis=-1), 1e-9)
         return np.clip(u + (arc - self.arc(u)) / speed, *self.span)  # one Newton step
+
+
+def _rows(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return (a * b).sum(axis=-1, keepdims=True)
 
 
 def _bernstein_bound(curve: BSpline, knots: np.ndarray, degree: int) -> np.ndarray:

@@ -22,8 +22,8 @@ STRETCH = 1e-3
 points of a path: what a cable of 1e5 N/m stretches under 100 N."""
 
 JOINT_SPEED = 90.0
-"""Degrees per second that joints of moving arms may turn with. Ours: the paper gives no number,
-and heavy arms are hardly faster."""
+"""Degrees per second that joints of moving arms may turn with where `limits.joint_speed_deg` says
+nothing. Ours: the paper gives no number, and heavy arms are hardly faster."""
 
 TURN = "turn of the load from level"
 """Name of the check that a level load is near its equilibrium."""
@@ -251,8 +251,9 @@ def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check
         speeds = np.abs(np.gradient(joints, times, axis=0)).max(axis=2)
         at, k = np.unravel_index(int(speeds.argmax()), speeds.shape)
         value, about = float(speeds[at, k]), f"robot {k + 1}"
+        most = scenario.limits.joint_speed_deg or JOINT_SPEED
         checks.append(
-            Check("joint speed", value, -np.inf, JOINT_SPEED, "°/s", float(times[at]), about, 1e-9)
+            Check("joint speed", value, -np.inf, most, "°/s", float(times[at]), about, 1e-9)
         )
     limits = scenario.limits.joint_limits_deg
     if limits is not None:

@@ -130,7 +130,7 @@ def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = 
     units, rigging = rigging.scenario.units, rigging.own
     model = build_spec(rigging).compile()
     data = mujoco.MjData(model)
-    step, duration = model.opt.timestep, rigging.scenario.task.duration
+    step, duration = model.opt.timestep, rigging.law.duration
     steps = round(duration / step)
     times = np.minimum(np.arange(steps + 1) * step, duration)
     times[-1] = duration
@@ -182,7 +182,7 @@ def commands(
     of what they drive; with a lead of damping/stiffness times the planned rate they damp the
     departure from the plan alone.
     """
-    nodes, units = np.linspace(0, rigging.scenario.task.duration, INSTANTS), rigging.scenario.units
+    nodes, units = np.linspace(0, rigging.law.duration, INSTANTS), rigging.scenario.units
     loads, cables = rigging.loads(nodes), Cables.of(rigging.scenario)
     winches = CubicSpline(nodes, loads.lengths - loads.tensions / cables.stiffness)
     servos = CubicSpline(nodes, servo_positions(rigging, rigging.law.parameter(nodes)))

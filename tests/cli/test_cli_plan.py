@@ -50,7 +50,8 @@ def test_plan_prints_the_report_and_writes_everything(run, tmp_path, plan):
     status, said, told = run("plan", "scenario-1", "--output", tmp_path / "out")
     assert status == 0
     assert "load to obstacles" in said
-    assert "+0.21" in said
+    near = next(each for each in plan.report if each.name == "distance of load to obstacles")
+    assert f"+{near.margin:.4f}"[:5] in said
     assert "feasible and certified" in said
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {
@@ -64,6 +65,14 @@ def test_plan_prints_the_report_and_writes_everything(run, tmp_path, plan):
     assert "scenario-1.plan.json" in told
     loaded = js.load_plan(tmp_path / "out" / "scenario-1.plan.json")
     np.testing.assert_array_equal(loaded.tensions, plan.tensions)
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("duration", ["fast", "-3", "nan"])
+def test_what_is_no_duration_is_refused(run, duration):
+    status, _, told = run("plan", "scenario-1", "--duration", duration)
+    assert status == 2
+    assert 'is no time; give seconds above 0, or "shortest"' in told
 
 
 def test_a_plan_is_told_with_its_fitness_and_how_it_was_found(plan):

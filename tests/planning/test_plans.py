@@ -321,7 +321,9 @@ def moved_row(plan):
         (lambda p: {"tensions": 2 * p.tensions}, "stored tension of cable"),
         (lambda p: {"tensions": np.full_like(p.tensions, np.nan)}, "stored tension of cable"),
         (lambda p: {"joints": p.joints + 0.1}, "joint angles of robot 1 hold its end"),
-        (lambda p: {"waypoints": p.waypoints * [1, 1, 0.4]}, "hits"),
+        (lambda p: {"path": p.path * np.linspace(1, 0.4, 40)[:, None]}, "hits"),
+        (lambda p: {"waypoints": p.waypoints + 0.1}, "off the curve through its waypoints"),
+        (lambda p: {"law_speed": p.law_speed + 0.1}, "law does not lead from rest"),
     ],
 )
 def test_changed_plans_are_refused_with_the_reason(plan, change, reason):

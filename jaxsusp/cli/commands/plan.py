@@ -26,9 +26,9 @@ from jaxsusp.cli.options import (
     count,
     require_choices,
 )
-from jaxsusp.errors import require_known
+from jaxsusp.errors import InputError, require_known
 from jaxsusp.optim.choices import require_algorithm
-from jaxsusp.planning.choices import COORDINATIONS, ENDS, TAUT
+from jaxsusp.planning.choices import COORDINATIONS, ENDS, SHORTEST, TAUT
 
 if TYPE_CHECKING:
     from jaxsusp.planning.plan import Plan
@@ -77,6 +77,17 @@ def plan(
         bool,
         typer.Option(help="Whether plans are played in simulation, and have to be followed there."),
     ] = True,
+    duration: Annotated[
+        str,
+        typer.Option(
+            help='Seconds from rest to rest, instead of those of the scenario; "shortest": as fast '
+            "as limits allow and a swinging load follows.",
+            autocompletion=one_of([SHORTEST]),
+        ),
+    ] = "",
+    calm: Annotated[
+        bool, typer.Option("--calm", help="Shape the motion so that the load does not swing on.")
+    ] = False,
     output: Output = RESULTS,
     as_json: Json = False,
 ) -> None:
@@ -88,6 +99,7 @@ def plan(
     require_choices([scenario], search=search)
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)
+    takes = _duration(duration)
 
     from rich.console import Console
 
@@ -115,7 +127,8 @@ def plan(
             found = planner.plan(
                 task, algorithm, ends, runs, iterations, retries, seed,
                 population=population, waypoints=waypoints, samples=samples, search=search,
-                coordination=coordination, simulate=simulate, progress=told,
+                coordination=coordination, simulate=simulate, duration=takes, calm=calm,
+                progress=told,
             )  # fmt: skip
             files = write_plan(found, output)
         except ImpossibleTaskError as error:
@@ -131,6 +144,22 @@ def plan(
         _show(found, best)
     note(f"{files[0]}, samples, report and figures are in {output}")
     raise typer.Exit(0 if found.feasible else 1)
+
+
+def _duration(said: str) -> str | float | None:
+    """What `--duration` says; what is no time is refused with the library's words.
+
+    Raises:
+        InputError: neither a number nor "shortest".
+    """
+    if said in ("", SHORTEST):
+        return said or None
+    try:
+        return float(said)
+    except ValueError:
+        raise InputError(
+            f'duration = "{said}": is no time; give seconds above 0, or "{SHORTEST}"'
+        ) from None
 
 
 def _plannable(named: str) -> "Scenario":
@@ -166,13 +195,14 @@ def as_record(plan: "Plan", files: list[Path]) -> dict[str, Any]:
             {**plain(each._asdict()), "margin": plain(each.margin), "ok": each.ok}
             for each in plan.report
         ],
+        "duration_s": plan.law.duration,
         "settings": plain(dict(plan.settings)),
         "files": [str(file) for file in files],
     }
 
 
 def _show(plan: "Plan", best: float | None) -> None:
-    from jaxsusp.report.plan.tables import ends_table, how_good, limits_table, verdict
+    from jaxsusp.report.plan.tables import ends_table, how_fast, how_good, limits_table, verdict
     from jaxsusp.report.render import to_rich
 
     stdout = wide_console()
@@ -183,5 +213,7 @@ def _show(plan: "Plan", best: float | None) -> None:
     )
     if plan.feasible:
         stdout.print(how_good(plan, best), markup=False, highlight=False)
+        if told := how_fast(plan):
+            stdout.print(told, markup=False, highlight=False)
     if plan.feasible and not plan.settings.get("simulated", False):
         stdout.print("Not played: whether a swinging load follows, `jaxsusp verify` tells.")

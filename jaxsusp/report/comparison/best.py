@@ -27,7 +27,8 @@ def scenario_of(ds: xr.Dataset, name: str) -> Scenario:
 def best_plan(ds: xr.Dataset, scenario: str, algorithm: str) -> Plan | None:
     """The run of least fitness laid on a smooth path, driven from rest to rest, and checked.
 
-    A search knows only samples of its trajectory; the plan says what the real curve keeps.
+    A search knows only samples of its trajectory; the plan says what the real curve keeps. It goes
+    through these samples: what an algorithm found is shown, not what a plan would make of it.
 
     Args:
         ds: a comparison.
@@ -44,5 +45,5 @@ def best_plan(ds: xr.Dataset, scenario: str, algorithm: str) -> Plan | None:
     waypoints = best["x"].values.reshape(-1, 3)
     return plan_through(
         scenario_of(ds, scenario), waypoints, samples=ds.sizes["sample"],
-        settings={"algorithm": algorithm, "fitness": best["fitness"].item()},
+        settings={"algorithm": algorithm, "fitness": best["fitness"].item()}, smooth=False,
     )  # fmt: skip

@@ -132,7 +132,7 @@ def render(
         NoRendererError: the machine has no headless renderer.
         InputError: the video cannot be encoded.
     """
-    duration = plan.scenario.task.duration
+    duration = plan.law.duration
     wanted = list(np.linspace(0, duration, count)) if images is not None else []
     frames: list[np.ndarray] = []
     stills: list[np.ndarray] = []

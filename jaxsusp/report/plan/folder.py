@@ -11,6 +11,7 @@ from jaxsusp._files import write_text
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.drawing.style import save
 from jaxsusp.report.plan import figures as planfigures
+from jaxsusp.report.plan.pace import is_paced, pace
 from jaxsusp.report.plan.scene import scene
 from jaxsusp.report.plan.tables import ends_table, limits_table
 from jaxsusp.report.render import to_markdown
@@ -21,11 +22,13 @@ FIGURES: dict[str, Callable[[Plan], Figure]] = {
     "cables": planfigures.cables,
     "posture": planfigures.posture,
     "ends": planfigures.ends,
+    "pace": pace,
 }
 
 _APPLIES: dict[str, Callable[[Plan], bool]] = {
     "posture": lambda plan: plan.scenario.payload.attachments != "hook",
     "ends": lambda plan: plan.rigging.moves,
+    "pace": is_paced,
 }
 """Figures that not every plan has, and of which plans they show something."""
 

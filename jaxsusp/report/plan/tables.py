@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from jaxsusp.planning.choices import TAUT
+from jaxsusp.planning.choices import SHORTEST, TAUT
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.render import Column, significant
 from jaxsusp.scenario.models import Limits
@@ -132,8 +132,8 @@ def simulation_table(simulation: Simulation, limits: Limits) -> pd.DataFrame:
     frame.attrs["columns"] = {"ok": Column("kept")}
     edge = min(EDGE, float(simulation.times[-1]) / 8)
     frame.attrs["caption"] = (
-        f"Errors between {edge:g} s after the start and {edge:g} s before the end; the load swings "
-        "freely, the cables only pull."
+        f"Errors between {edge:.3g} s after the start and {edge:.3g} s before the end; the load "
+        "swings freely, the cables only pull."
     )
     return frame
 
@@ -167,6 +167,21 @@ def how_good(plan: Plan, best: float | None) -> str:
     return (
         f"Fitness {fitness:.2f}{beside}, path {plan.law.path.length:.2f} m, {found} in {attempts} "
         f"attempt{'s' if attempts > 1 else ''}."
+    )
+
+
+def how_fast(plan: Plan) -> str:
+    """One sentence about the duration of a plan that was to be the shortest; "" of others."""
+    if plan.settings.get("duration") != SHORTEST:
+        return ""
+    asked, took = plan.scenario.task.duration, plan.law.duration
+    said = f"Driven in {took:.2f} s instead of the {asked:g} s of the task"
+    least = plan.settings.get("least_time")
+    if least is None:
+        return f"{said}, with the minimum-jerk law."
+    return (
+        f"{said}, {took / least:.2f} times the {least:.2f} s below which no law would do on this "
+        "path, whatever its jerk."
     )
 
 

@@ -1,0 +1,1 @@
+"""How the load moves along its way: smooth paths, fast laws, calm laws."""
