@@ -1,5 +1,6 @@
 """The constraint report: all of Eq. 22 with numbers, on the real curve of a plan."""
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,7 +13,9 @@ from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.cableloads import Loads, cable_loads
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import Motion
-from jaxsusp.verify.certificate import ROUNDING, Certificate
+from jaxsusp.verify.certificate import ROUNDING, TOLERANCE, Certificate
+from jaxsusp.verify.limits.proof import Bound, Line, prove
+from jaxsusp.verify.limits.quantities import quantity_of, stays
 
 INSTANTS = 2001
 """Times at which everything but the distances is computed: every 20 ms of a 40 s plan."""
@@ -28,6 +31,9 @@ and heavy arms are hardly faster."""
 TURN = "turn of the load from level"
 """Name of the check that a level load is near its equilibrium."""
 
+RATIO = "tension ratio C_t"
+"""Name of the check of least to greatest tension, which is never above 1 by what it is."""
+
 
 class Check(NamedTuple):
     """One line of the report."""
@@ -40,10 +46,12 @@ class Check(NamedTuple):
     time: float | None  # s, when the value occurs; None where it does not depend on time
     about: str  # which body, cable or robot; "" for the whole system
     slack: float = 0.0  # how far beyond a limit rounding may be
+    proved: bool = False  # that the limit is kept at every instant, not only where it was looked at
+    bound: float = np.nan  # what the value is proved never to go beyond; NaN where nothing is
 
     def stated(self, frame: Frame) -> "Check":
         """The same line with numbers as a frame makes them."""
-        numbers = ("value", "low", "high", "slack")
+        numbers = ("value", "low", "high", "slack", "bound")
         changed = {name: frame.number(getattr(self, name), self.unit) for name in numbers}
         time = None if self.time is None else frame.number(self.time, "s")
         return self._replace(**changed, time=time)
@@ -57,6 +65,13 @@ class Check(NamedTuple):
     def ok(self) -> bool:
         """Whether the limit is kept (NaN is not)."""
         return self.margin >= -self.slack
+
+    @property
+    def kept(self) -> str:
+        """Whether the limit is kept, and how that is known."""
+        if not self.ok:
+            return "broken"
+        return "proved" if self.proved else "sampled"
 
     @property
     def limit(self) -> str:
@@ -106,13 +121,55 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
         _of_cable("tension", loads.tensions, times, min, low, inf, "N"),
         _of_cable("tension", loads.tensions, times, max, -inf, high, "N"),
         _of_cable("ultimate tension T_lim", loads.tensions, times, max, -inf, ultimate, "N"),
-        _extreme("tension ratio C_t", balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
+        _extreme(RATIO, balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
         _extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
         *_inside(scenario, motion.position, times),
         *_task(scenario, motion.position, times),
         *_robots(rigging, ends, times),
     ]
-    return tuple(checks)
+    return tuple(_proved(rigging, checks))
+
+
+def _proved(rigging: Rigging, checks: Sequence[Check]) -> Iterator[Check]:
+    """Lines with a proof that they are kept at every instant, where there is one.
+
+    A line that is kept at all instants that were looked at and not between them gets the value and
+    the time at which it is not.
+    """
+    lines: list[Line] = []
+    of: list[int] = []
+    for index, check in enumerate(checks):
+        quantity = quantity_of(rigging, check.name, check.about)
+        if quantity is None or not check.ok:
+            continue
+        sides = [(1.0, check.low), (-1.0, check.high)]
+        for sign, limit in sides[:1] if check.name == RATIO else sides:
+            if np.isfinite(limit):
+                lines.append(Line(quantity, sign, limit, check.slack, check.value))
+                of.append(index)
+    found: dict[int, list[Bound]] = {}
+    for index, bound in zip(of, prove(rigging, lines), strict=True):
+        found.setdefault(index, []).append(bound)
+    for index, check in enumerate(checks):
+        if index in found:
+            yield _with(check, found[index])
+        elif check.ok and (stays(rigging, check.name) or check.name.startswith("distance off")):
+            yield check._replace(proved=True, bound=check.value)  # there is nothing between
+        else:
+            yield check
+
+
+def _with(check: Check, sides: Sequence[Bound]) -> Check:
+    """A line with what was found about its one or two sides."""
+    for side in sides:
+        if side.time is not None:
+            worse = check._replace(value=side.worst, time=side.time)
+            check = worse if worse.margin < check.margin else check
+    if not (check.ok and all(side.proved for side in sides)):
+        return check
+    lower = check.value - check.low <= check.high - check.value  # the limit that is nearer
+    bound = next((side.value for side in sides if (side.sign > 0) == lower), sides[0].value)
+    return check._replace(proved=True, bound=bound)
 
 
 def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> list[Check]:
@@ -180,13 +237,21 @@ def _kept(rigging: Rigging, lengths: np.ndarray, ends: np.ndarray, times) -> lis
 
 def _distances(certificate: Certificate) -> list[Check]:
     """The clearances of the certificate; kinds of which there is no pair are left out."""
-    return [
+    checks = [
         Check(
             f"distance of {each.kind}", each.value, each.required, np.inf, "m", each.time,
             " and ".join(each.bodies), ROUNDING,
         )
         for each in certificate.clearances
         if each.bodies[0]
+    ]  # fmt: skip
+    return [
+        check._replace(
+            proved=True, bound=max(check.value - TOLERANCE, check.low - ROUNDING)
+        )
+        if check.ok and certificate.finished
+        else check
+        for check in checks
     ]  # fmt: skip
 
 
