@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxsusp._types import Float
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
 from jaxsusp.scenario.ownunits import PAYLOAD, Frame
@@ -92,7 +93,7 @@ class Check(NamedTuple):
 
 
 def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check, ...]:
-    """Every limit of Eq. 22 on the real curve.
+    """Every limit of Eq. 22 on the real curve, each proved at every instant where that can be done.
 
     Tensions are those with inertia; they must keep T_lo and T_hi, and their peak is compared with
     the ultimate tension T_lim = k_a T_hi as well. At a hook the posture is level by plan; what is
@@ -103,8 +104,18 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
         rigging: the system along its path.
         certificate: distances.
     """
+    return tuple(_proved(rigging, sampled_report(rigging, certificate)))
+
+
+def sampled_report(
+    rigging: Rigging, certificate: Certificate, times: Float[np.ndarray, "times"] | None = None
+) -> tuple[Check, ...]:
+    """The same lines as they are at given times (s), by default `INSTANTS` of them.
+
+    Only distances are proved.
+    """
     scenario, law = rigging.scenario, rigging.law
-    times = np.linspace(0, law.duration, INSTANTS)
+    times = np.linspace(0, law.duration, INSTANTS) if times is None else times
     motion, ends = law.at(times), rigging.ends_at(law.parameter(times))
     loads = cable_loads(scenario, motion.position, motion.acceleration, ends)
     limits = scenario.limits
@@ -127,7 +138,7 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
         *_task(scenario, motion.position, times),
         *_robots(rigging, ends, times),
     ]
-    return tuple(_proved(rigging, checks))
+    return tuple(checks)
 
 
 def _proved(rigging: Rigging, checks: Sequence[Check]) -> Iterator[Check]:

@@ -7,7 +7,8 @@ import numpy as np
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.verify.limits.passage import Passage
-from jaxsusp.verify.limits.strips import Strip, cross, dot, least, norm, stacked
+from jaxsusp.verify.limits.sharing import shared
+from jaxsusp.verify.limits.strips import Strip, cross, dot, heading, least, norm, stacked
 
 _NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 
@@ -70,32 +71,14 @@ class Cables:
     def _balance(self, force: Strip) -> Strip:
         """Tensions that balance a force (N): see `mechanics.statics.force_tensions`."""
         if self._passage.rigging.cables > 3:
-            return self._shared(force)
+            return shared(self._units, force, self._scenario.limits.tension)
         facets, per_volume = self._facets
         return self.lengths * dot(facets, force[:, None]) * per_volume[:, None]
 
     @cached_property
-    def _units(self) -> tuple[Strip, Strip, Strip]:
-        """u_k, and of Σ u_k u_kᵀ the cross products of two columns and one over the determinant."""
-        units = self._vectors * self.lengths.inverse()[..., None]
-        matrix = (units[..., :, None] * units[..., None, :]).sum(1)
-        facets = cross(matrix[:, _NEXT], matrix[:, _AFTER])
-        return units, facets, dot(matrix[:, 0], facets[:, 0]).inverse()
-
-    def _shared(self, force: Strip) -> Strip:
-        """Of more than three cables: nearest to the middle of the limits.
-
-        The balance nearest to the middle of all, with no regard to the limits, is the one that is
-        meant wherever it keeps them; nothing is known elsewhere.
-        """
-        low, high = self._scenario.limits.tension
-        middle = (low + high) / 2
-        units, facets, per_volume = self._units
-        wanted = force - units.sum(1) * middle
-        slope = (facets * wanted[..., None]).sum(1) * per_volume[:, None]
-        found = dot(units, slope[:, None]) + middle
-        kept = (found.lower >= low).all(axis=1) & (found.upper <= high).all(axis=1)
-        return Strip(found.middle, found.slope, np.where(kept[:, None], found.rest, np.inf))
+    def _units(self) -> Strip:
+        """u_k, (rows, K, 3)."""
+        return self._vectors * self.lengths.inverse()[..., None]
 
     @cached_property
     def ratio(self) -> Strip:
@@ -107,8 +90,7 @@ class Cables:
         """At which a hanging load rides the acceleration (°), (rows, 1)."""
         acceleration = self._passage.acceleration
         sideways = norm(acceleration[:, :2])
-        found = (sideways * (acceleration[:, 2] + GRAVITY).inverse()).arc_tangent()
-        return found[:, None] * (180 / np.pi)
+        return heading(acceleration[:, 2] + GRAVITY, sideways)[:, None] * (180 / np.pi)
 
     @cached_property
     def stability(self) -> Strip:

@@ -19,7 +19,7 @@ TOLERANCE = 0.01
 
 _FIRST = 48  # intervals to begin with
 _DEEPEST = 2.0**-22  # of the duration; an interval that short is not halved any more
-_MOST = 12_000  # intervals, beyond which the rest is left unproved
+_MOST = 10_000  # intervals for one line, beyond which the rest of it is left unproved
 
 
 class Line(NamedTuple):
@@ -86,15 +86,15 @@ class _Search:
         breaks = self._course.schedule.breaks
         times = np.union1d(np.linspace(0, breaks[-1], _FIRST + 1), breaks)
         low, high = times[:-1], times[1:]
-        shortest, seen = _DEEPEST * breaks[-1], 0
+        shortest, spent = _DEEPEST * breaks[-1], np.zeros(len(self._lines), int)
         need = np.ones((len(low), len(self._lines)), bool)
         while len(low):
-            seen += len(low)
+            spent += need.sum(axis=0)
             bounds = self._look(low, high, need)
             best = self._best - self._tolerance
             broken = self._best < -self._slack
             more = need & ~broken & ((bounds < -self._slack) | (bounds < best))
-            more &= (high - low > shortest)[:, None] & (seen < _MOST)
+            more &= (high - low > shortest)[:, None] & (spent < _MOST)
             done = np.where(need & ~more, bounds, np.inf)
             self._bound = np.minimum(self._bound, done.min(axis=0))
             rows = more.any(axis=1)
