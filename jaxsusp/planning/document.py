@@ -16,7 +16,7 @@ import numpy as np
 from jaxsusp._files import write_text
 from jaxsusp.errors import InputError
 
-FORMAT, SCHEMA = "jaxsusp plan", 2
+FORMAT, SCHEMA = "jaxsusp plan", 3
 
 REMEDY = "give a file that `jaxsusp plan` wrote"
 

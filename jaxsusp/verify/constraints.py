@@ -1,6 +1,6 @@
 """The constraint report: all of Eq. 22 with numbers, on the real curve of a plan."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -104,7 +104,7 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
         rigging: the system along its path.
         certificate: distances.
     """
-    return tuple(_proved(rigging, sampled_report(rigging, certificate)))
+    return with_proofs(rigging, sampled_report(rigging, certificate))
 
 
 def sampled_report(
@@ -141,11 +141,15 @@ def sampled_report(
     return tuple(checks)
 
 
-def _proved(rigging: Rigging, checks: Sequence[Check]) -> Iterator[Check]:
+def with_proofs(rigging: Rigging, checks: Sequence[Check]) -> tuple[Check, ...]:
     """Lines with a proof that they are kept at every instant, where there is one.
 
-    A line that is kept at all instants that were looked at and not between them gets the value and
-    the time at which it is not.
+    A line that gets worse between the instants that were looked at has the value and the time then.
+
+    Args:
+        rigging: the system along its path, in own units.
+        checks: lines of a report; those of which `limits.quantities` knows nothing stay as they
+            are.
     """
     lines: list[Line] = []
     of: list[int] = []
@@ -161,13 +165,15 @@ def _proved(rigging: Rigging, checks: Sequence[Check]) -> Iterator[Check]:
     found: dict[int, list[Bound]] = {}
     for index, bound in zip(of, prove(rigging, lines), strict=True):
         found.setdefault(index, []).append(bound)
+    known: list[Check] = []
     for index, check in enumerate(checks):
         if index in found:
-            yield _with(check, found[index])
+            known.append(_with(check, found[index]))
         elif check.ok and (stays(rigging, check.name) or check.name.startswith("distance off")):
-            yield check._replace(proved=True, bound=check.value)  # there is nothing between
+            known.append(check._replace(proved=True, bound=check.value))  # nothing is between
         else:
-            yield check
+            known.append(check)
+    return tuple(known)
 
 
 def _with(check: Check, sides: Sequence[Bound]) -> Check:

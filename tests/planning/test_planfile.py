@@ -100,7 +100,7 @@ def test_a_truncated_file_is_refused(file, share):
 
 
 def test_a_newer_version_is_refused_as_such(file):
-    rewrite(file, lambda document: document.update(schema=3, wings=[1, 2]))
+    rewrite(file, lambda document: document.update(schema=4, wings=[1, 2]))
     with pytest.raises(js.InputError, match="newer version"):
         js.load_plan(file)
 

@@ -65,8 +65,9 @@ class ArcLength:
         taylor = np.sqrt((self._path.at(middle)[1] ** 2).sum(-1))
         speed = taylor[1]
         radius = _DISCS[:, None] * half
-        powers = range(2, self._path.degree + 1)
-        change = sum(power * taylor[power] * radius ** (power - 1) for power in powers)
+        change = np.zeros_like(radius)
+        for power in range(2, self._path.degree + 1):
+            change += power * taylor[power] * radius ** (power - 1)
         rho = (_DISCS + np.sqrt(_DISCS**2 - 1))[:, None]
         share = 64 / 15 * rho ** (-2 * len(_NODES)) / (1 - rho**-2)
         error = np.where(change < 0.414 * speed, share * (speed + change) * half, np.inf)

@@ -1,4 +1,4 @@
-"""Arms whose ends move over intervals of time, as strips: reach, joint angles, how fast they turn."""
+"""Arms that move their ends over intervals of time, as strips: reach, joint angles and speeds."""
 
 from functools import cached_property
 
@@ -36,7 +36,7 @@ class Arms:
 
     @cached_property
     def _cosine(self) -> Strip:
-        """cos φ3."""
+        """Cos φ3."""
         _, a2, a3 = self._links.T
         way = self._way
         return (dot(way, way) - (a2**2 + a3**2)) * (1 / (2 * a2 * a3))
@@ -53,7 +53,7 @@ class Arms:
         first = heading(way[..., 0], way[..., 1])
         turns = np.round((passage.course.heading_at(passage.time) - first.middle) / _TURN) * _TURN
         forward = self._cosine * a3 + a2
-        aside = (1 - self._cosine * self._cosine).root() * (self._side * a3)
+        aside = (1.0 - self._cosine * self._cosine).root() * (self._side * a3)
         second = heading(way[..., 2], self._level) - heading(forward, aside)
         return stacked([first + turns, second, self._bend]) * (180 / np.pi)
 
@@ -71,7 +71,7 @@ class Arms:
         per_square = distance.inverse()
         per_square = per_square * per_square
         rising = (way[..., 2] * outward - level * velocity[..., 2]) * per_square
-        sine = (1 - self._cosine * self._cosine).root() * self._side
+        sine = (1.0 - self._cosine * self._cosine).root() * self._side
         third = dot(way, velocity) * sine.inverse() * (-1 / (a2 * a3))
         lagging = third * (self._cosine * (a2 * a3) + a3**2) * per_square
         return stacked([first, rising - lagging, third]) * (180 / np.pi)

@@ -54,8 +54,7 @@ class Cables:
     @cached_property
     def static(self) -> Strip:
         """T_k of a load at rest in the same place (N), (rows, K)."""
-        still = np.zeros((len(self._passage.time), 3))
-        return self._balance(Strip(still, still, still) + self._weight)
+        return self._balance(Strip.still(self._weight[None]))
 
     @property
     def _weight(self) -> np.ndarray:
@@ -97,30 +96,25 @@ class Cables:
         """S_c of a load at rest, (rows, 1): see `mechanics.stability`."""
         scenario, tensions = self._scenario, self.static
         low, high = scenario.limits.tension
-        ends, height = self._passage.ends, self._passage.position[:, 2]
-        top = least(ends[..., 2]) if isinstance(ends, Strip) else ends[:, 2].min()
-        floor = scenario.workspace.lower[2]
-        below, deep = top - height, top - floor
-        deep = deep.inverse() if isinstance(deep, Strip) else 1 / deep
+        top, floor = least(self._passage.ends[..., 2]), scenario.workspace.lower[2]
+        below = (top - self._passage.position[:, 2]) * (top - floor).inverse()
         margins = least(stacked([least(tensions - low), least(high - tensions)]))
         first = least(self._inside()).cube_root() + _ratio(tensions).cube_root()
-        second = (below * deep).cube_root() + (margins * (2 / (high - low))).cube_root()
+        second = below.cube_root() + (margins * (2 / (high - low))).cube_root()
         return (first * second * 0.25)[:, None]
 
     def _inside(self) -> Strip:
         """How far inside the polygon of the ends the hook is: 1 - ρ is the least of these."""
-        ends, hook = self._passage.ends, self._hook
-        if isinstance(ends, Strip) or self._passage.rigging.cables == 3:
-            if self._passage.rigging.cables > 3:
-                return _unknown(hook[:, :1])
-            one, two, three = ends[..., 0, :2], ends[..., 1, :2], ends[..., 2, :2]
-            area = _wedge(two - one, three - one)
-            area = area.inverse() if isinstance(area, Strip) else 1 / area
-            here = hook[:, None, :2]
-            shares = _wedge(ends[..., _NEXT, :2] - here, ends[..., _AFTER, :2] - here)
-            return 3 * (shares * (area[:, None] if isinstance(area, Strip) else area))
-        slopes, offsets = self._passage.course.gauge
-        return dot(hook[:, None, :2], slopes) + offsets
+        passage, ends, hook = self._passage, self._passage.ends, self._hook[:, None, :2]
+        if passage.rigging.cables > 3:
+            if passage.rigging.moves:
+                return _unknown(hook[..., 0])
+            slopes, offsets = passage.course.gauge
+            return dot(hook, slopes) + offsets
+        one, two, three = ends[:, 0, :2], ends[:, 1, :2], ends[:, 2, :2]
+        per_area = _wedge(two - one, three - one).inverse()
+        shares = _wedge(ends[:, _NEXT, :2] - hook, ends[:, _AFTER, :2] - hook)
+        return shares * per_area[:, None] * 3.0
 
 
 def _ratio(tensions: Strip) -> Strip:
@@ -131,6 +125,6 @@ def _unknown(strip: Strip) -> Strip:
     return Strip(strip.middle, strip.slope, np.full_like(strip.middle, np.inf))
 
 
-def _wedge(a, b):
+def _wedge(a: Strip, b: Strip) -> Strip:
     """a_x b_y - a_y b_x of vectors in the last axis."""
     return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -104,8 +104,7 @@ class Passage:
         self._far = _GUESS * self.half * most / speed + 2 * wrong + 1e-15
         low, high = self._u - self._far, self._u + self._far
         self._jump = self.course.path.jump(self._piece, low, high)
-        nothing = np.zeros_like(speed)
-        self._gone = Strip(nothing, nothing, self._far)
+        self._gone = Strip.between(-self._far, self._far)
         for _ in range(2):
             self._onward(rate)
             u1 = self._u1
@@ -178,9 +177,9 @@ class Passage:
         return self._curves[:, 0]
 
     @cached_property
-    def ends(self) -> Strip | Float[np.ndarray, "cables xyz"]:
-        """Upper cable ends (m); plain numbers where they stay."""
-        return self._curves[:, 1:] if self.rigging.moves else self.rigging.end_path[0]
+    def ends(self) -> Strip:
+        """Upper cable ends (m); one row for all intervals where they stay."""
+        return self._curves[:, 1:] if self.rigging.moves else Strip.still(self.rigging.end_path)
 
     @cached_property
     def _velocities(self) -> Strip:

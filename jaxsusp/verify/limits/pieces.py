@@ -56,8 +56,10 @@ class Pieces:
     def jump(
         self, which: np.ndarray, low: np.ndarray, high: np.ndarray
     ) -> Float[np.ndarray, "places parts"]:
-        """How far the highest coefficient, the only one that jumps at a spline's knots, can be
-        from that of given pieces between places."""
+        """How far the highest coefficient between places can be from that of given pieces.
+
+        It is the only one that jumps at the knots of a spline.
+        """
         first, last = self._which(low), self._which(high)
         there = self._greatest[first, last] + np.abs(self._rising[-1, which])
         return np.where((first == last)[:, None], 0.0, there)

@@ -138,7 +138,7 @@ class _Search:
             return
         times = self._at[rows]
         system = System(self._course.over(times, times))
-        for row, index in enumerate(rows):
+        for row, index in enumerate(rows.tolist()):
             line = self._lines[index]
             room = line.rooms(system)[1][row]
             if room < line.room:

@@ -74,7 +74,7 @@ OF_CABLES: dict[str, Quantity] = {
     "ultimate tension T_lim": lambda system: system.cables.tensions,
     "tension ratio C_t": lambda system: system.cables.ratio,
     "stability factor S_c": lambda system: system.cables.stability,
-    "cable speed": lambda system: _both_ways(system.cables.speeds),
+    "speed of a cable": lambda system: _both_ways(system.cables.speeds),
 }
 """Of cables that meet at a hook."""
 
@@ -88,9 +88,7 @@ OF_ARMS: dict[str, Quantity] = {
 
 OF_ONE_ARM: dict[str, Quantity] = {
     "reach": lambda system: system.arms.distance,
-    **{
-        f"joint angle φ{i + 1}": lambda system, i=i: system.arms.angles[..., i] for i in range(3)
-    },
+    **{f"joint angle φ{i + 1}": lambda system, i=i: system.arms.angles[..., i] for i in range(3)},
 }
 """Of one arm that moves its end, (rows, K)."""
 

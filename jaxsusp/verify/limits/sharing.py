@@ -51,7 +51,8 @@ def shared(units: Strip, force: Strip, limits: tuple[float, float]) -> Strip:
         return free
     rows = np.flatnonzero(~kept)
     found = Strip(*(each.copy() for each in (free.middle, free.slope, free.rest)))
-    there = _at_limits(_System(units[rows], force[rows], low, high))
+    its_force = force if len(force.middle) == 1 else force[rows]  # the weight is one for all
+    there = _at_limits(_System(units[rows], its_force, low, high))
     for mine, its in zip((found.middle, found.slope, found.rest), there, strict=True):
         mine[rows] = its
     return found
@@ -104,12 +105,14 @@ class _System:
     def tensions(self, held: Held) -> tuple[Strip, Strip]:
         """The tensions, those at their limits included, and what `solve` gives."""
         pull = self.solve(held)
-        fixed, nothing = np.where(held.low, self.low, self.high), np.zeros(held.low.shape)
-        return Strip(fixed, nothing, nothing).or_where(held.any, pull), pull
+        fixed = Strip.still(np.where(held.low, self.low, self.high))
+        return fixed.or_where(held.any, pull), pull
 
     def held_in_the_middle(self) -> Held:
         """Cables at their limits in the middles of intervals, by Newton's method."""
-        still = _System(_still(self.units), _still(self.force), self.low, self.high)
+        still = _System(
+            Strip.still(self.units.middle), Strip.still(self.force.middle), self.low, self.high
+        )
         held = Held(*np.zeros((2, *self.units.middle.shape[:2]), bool))
         for _ in range(2 * held.low.shape[1]):
             pull = still.solve(held).middle
@@ -118,9 +121,3 @@ class _System:
                 break
             held = found
         return held
-
-
-def _still(strip: Strip) -> Strip:
-    """What is in the middle, as if nothing moved."""
-    nothing = np.zeros_like(strip.middle)
-    return Strip(strip.middle, nothing, nothing)

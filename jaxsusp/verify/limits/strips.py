@@ -20,8 +20,6 @@ from jaxsusp._types import Float
 EPS = 2e-15
 """More than what the few operations of one step round off, of the size of what they work with."""
 
-Operand = "Strip | np.ndarray | float"
-
 
 class Strip:
     """Many strips as three arrays of one shape: the intervals first, then any further axes.
@@ -35,6 +33,12 @@ class Strip:
     def __init__(self, middle: np.ndarray, slope: np.ndarray, rest: np.ndarray):
         self.middle, self.slope, self.rest = middle, slope, rest
         self._size: np.ndarray | None = None
+
+    @classmethod
+    def still(cls, values: np.ndarray) -> "Strip":
+        """What does not change."""
+        nothing = np.zeros_like(values)
+        return cls(values, nothing, nothing)
 
     @classmethod
     def between(cls, low: np.ndarray, high: np.ndarray) -> "Strip":
@@ -72,7 +76,7 @@ class Strip:
     def __neg__(self) -> "Strip":
         return Strip(-self.middle, -self.slope, self.rest)
 
-    def __add__(self, other: Operand) -> "Strip":
+    def __add__(self, other: "Strip | np.ndarray | float") -> "Strip":
         if isinstance(other, Strip):
             return _sum(self.middle + other.middle, self.slope + other.slope, self.rest, other.rest)
         middle = self.middle + other
@@ -81,7 +85,7 @@ class Strip:
 
     __radd__ = __add__
 
-    def __sub__(self, other: Operand) -> "Strip":
+    def __sub__(self, other: "Strip | np.ndarray | float") -> "Strip":
         if isinstance(other, Strip):
             return _sum(self.middle - other.middle, self.slope - other.slope, self.rest, other.rest)
         return self + (-other)
@@ -89,7 +93,7 @@ class Strip:
     def __rsub__(self, other: np.ndarray | float) -> "Strip":
         return (-self) + other
 
-    def __mul__(self, other: Operand) -> "Strip":
+    def __mul__(self, other: "Strip | np.ndarray | float") -> "Strip":
         if isinstance(other, Strip):
             return self._times(other)
         size = np.abs(other)
@@ -176,13 +180,13 @@ class Strip:
         return found.or_where(fine & (found.reach < clipped.rest), clipped)
 
     def arc_tangent(self) -> "Strip":
-        """arctan x, whose second derivative is no larger than 0.65."""
+        """Arctan x, whose second derivative is no larger than 0.65."""
         one = 1 + self.middle**2
         most = np.full_like(one, 0.65)
         return self.lifted(np.arctan(self.middle), 1 / one, -most, most)
 
     def arc_cosine(self) -> "Strip":
-        """arccos x of an x that is never beyond ±1, whatever its bounds say."""
+        """Arccos x of an x that is never beyond ±1, whatever its bounds say."""
         low, high = self.lower, self.upper
         fine = (low > -1) & (high < 1)
         middle = np.where(fine, self.middle, 0.0)
@@ -199,10 +203,9 @@ def _sum(middle: np.ndarray, slope: np.ndarray, one: np.ndarray, other: np.ndarr
     return found
 
 
-def dot(a: Operand, b: Operand) -> Strip:
+def dot(a: Strip, b: Strip | np.ndarray) -> Strip:
     """Products of vectors in the last axis."""
-    product: Strip = a * b  # type: ignore[operator]
-    return product.sum(-1)
+    return (a * b).sum(-1)
 
 
 def cross(a: Strip, b: Strip) -> Strip:
