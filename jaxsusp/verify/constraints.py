@@ -48,11 +48,11 @@ class Check(NamedTuple):
     about: str  # which body, cable or robot; "" for the whole system
     slack: float = 0.0  # how far beyond a limit rounding may be
     proved: bool = False  # that the limit is kept at every instant, not only where it was looked at
-    bound: float = np.nan  # what the value is proved never to go beyond; NaN where nothing is
+    bound: float | None = None  # what the value is proved never to go beyond
 
     def stated(self, frame: Frame) -> "Check":
         """The same line with numbers as a frame makes them."""
-        numbers = ("value", "low", "high", "slack", "bound")
+        numbers = ["value", "low", "high", "slack", *["bound"] * (self.bound is not None)]
         changed = {name: frame.number(getattr(self, name), self.unit) for name in numbers}
         time = None if self.time is None else frame.number(self.time, "s")
         return self._replace(**changed, time=time)

@@ -229,6 +229,7 @@ def test_every_line_of_a_hook_with_still_ends_is_proved_and_bounds_are_near():
     report = with_proofs(rigging, sampled_report(rigging, NO_DISTANCES))
     for each in report:
         assert each.proved, each.name
+        assert each.bound is not None
         near = each.low if each.value - each.low < each.high - each.value else each.high
         size = max(abs(near), each.margin)
         assert abs(each.bound - each.value) <= 0.0101 * size, each.name

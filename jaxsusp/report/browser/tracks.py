@@ -134,7 +134,7 @@ def _report(checks: Sequence[Check]) -> dict[str, Any]:
 
 def _bound(check: Check) -> str:
     """What the value is proved never to be beyond, in words; "" where that is the value itself."""
-    if not check.proved or not np.isfinite(check.bound) or check.bound == check.value:
+    if check.bound is None or check.bound == check.value:
         return ""
     below = check.bound <= check.value
     return f"never {'below' if below else 'above'} {check.bound:.5g} {check.unit}".rstrip()
