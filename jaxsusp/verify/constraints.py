@@ -168,7 +168,7 @@ def with_proofs(rigging: Rigging, checks: Sequence[Check]) -> tuple[Check, ...]:
     known: list[Check] = []
     for index, check in enumerate(checks):
         if index in found:
-            known.append(_with(check, found[index]))
+            known.append(_with(check, found[index], rigging.cables))
         elif check.ok and (stays(rigging, check.name) or check.name.startswith("distance off")):
             known.append(check._replace(proved=True, bound=check.value))  # nothing is between
         else:
@@ -176,11 +176,13 @@ def with_proofs(rigging: Rigging, checks: Sequence[Check]) -> tuple[Check, ...]:
     return tuple(known)
 
 
-def _with(check: Check, sides: Sequence[Bound]) -> Check:
+def _with(check: Check, sides: Sequence[Bound], cables: int) -> Check:
     """A line with what was found about its one or two sides."""
     for side in sides:
         if side.time is not None:
-            worse = check._replace(value=side.worst, time=side.time)
+            of_cables = check.about.startswith("cable ")
+            about = f"cable {side.column % cables + 1}" if of_cables else check.about
+            worse = check._replace(value=side.worst, time=side.time, about=about)
             check = worse if worse.margin < check.margin else check
     if not (check.ok and all(side.proved for side in sides)):
         return check

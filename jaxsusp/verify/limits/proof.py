@@ -37,11 +37,11 @@ class Line(NamedTuple):
         return self.sign * (self.known - self.limit)
 
     def rooms(self, system: System) -> tuple[np.ndarray, np.ndarray]:
-        """Lower bounds of that over intervals, and upper bounds of it in their middles."""
+        """Lower bounds of that over intervals; upper bounds in their middles, column by column."""
         found = self.quantity(system)
         lower = (found if self.sign > 0 else -found).lower - self.sign * self.limit
         middle = self.sign * (found.middle - self.limit) + found.rest
-        return lower.min(axis=1), np.nan_to_num(middle.min(axis=1), nan=np.inf)
+        return lower.min(axis=1), np.nan_to_num(middle, nan=np.inf)
 
 
 class Bound(NamedTuple):
@@ -52,6 +52,7 @@ class Bound(NamedTuple):
     value: float  # the quantity is proved never to be beyond this
     worst: float  # the worst value that was seen
     time: float | None  # s, when, where that is worse than what was known
+    column: int  # of the quantity that was the worst then
 
 
 def prove(rigging: Rigging, lines: Sequence[Line]) -> list[Bound]:
@@ -76,6 +77,7 @@ class _Search:
         self._course, self._lines = Course(rigging), lines
         self._best = np.array([line.room for line in lines])
         self._at = np.full(len(lines), np.nan)  # where that is, if it is worse than what was known
+        self._column = np.zeros(len(lines), int)
         self._bound = np.full(len(lines), np.inf)
         self._slack = np.array([line.slack for line in lines])
         size = np.maximum(np.abs([line.limit for line in lines]), np.abs(self._best))
@@ -109,7 +111,8 @@ class _Search:
         for index, line in enumerate(self._lines):
             if not need[:, index].any():
                 continue
-            found[:, index], middles = line.rooms(system)
+            found[:, index], columns = line.rooms(system)
+            middles = columns.min(axis=1)
             at = int(middles.argmin())
             if middles[at] < self._best[index]:
                 self._best[index], self._at[index] = middles[at], (low[at] + high[at]) / 2
@@ -125,9 +128,10 @@ class _Search:
                 float(line.limit + line.sign * bound),
                 float(line.limit + line.sign * best),
                 None if np.isnan(at) else float(at),
+                int(column),
             )
-            for line, bound, best, at in zip(
-                self._lines, self._bound, self._best, self._at, strict=True
+            for line, bound, best, at, column in zip(
+                self._lines, self._bound, self._best, self._at, self._column, strict=True
             )
         ]
 
@@ -140,8 +144,8 @@ class _Search:
         system = System(self._course.over(times, times))
         for row, index in enumerate(rows.tolist()):
             line = self._lines[index]
-            room = line.rooms(system)[1][row]
-            if room < line.room:
-                self._best[index] = room
+            columns = line.rooms(system)[1][row]
+            if columns.min() < line.room:
+                self._best[index], self._column[index] = columns.min(), columns.argmin()
             else:
                 self._best[index], self._at[index] = line.room, np.nan
