@@ -27,9 +27,11 @@ TOLERANCE = 1e-4
 ROUNDING = TOUCH
 """m; how far below the required clearance a distance may be, above MuJoCo's own error."""
 
+MOST = 400_000
+"""Distances, beyond which a proof is given up."""
+
 _COARSE = 2e-3  # m; how exact the least distance of a pair that fails has to be
 _NARROW = 1e-5  # m of the parameter; an interval that short without a proof is a failure
-_MOST = 400_000  # distances, beyond which a proof is given up
 
 
 class Clearance(NamedTuple):
@@ -81,6 +83,11 @@ class Certificate:
     clearances: tuple[Clearance, ...]
     contacts: tuple[Contact, ...]  # first of every pair that fails, earliest first
     distances: int  # how many were computed
+
+    @property
+    def finished(self) -> bool:
+        """Whether every pair was looked at to the end: all are proved but those of the contacts."""
+        return self.proved or (bool(self.contacts) and self.distances <= MOST)
 
     def stated(self, frame: Frame) -> "Certificate":
         """The same with numbers as a frame makes them."""
@@ -145,7 +152,7 @@ class _Search:
             pair, a, b = self._halve(pair, a, b)
             if self._first_only and np.isfinite(self._first).any():
                 return
-            if self.distances > _MOST:
+            if self.distances > MOST:
                 return
         self.finished = True
 

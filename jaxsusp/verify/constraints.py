@@ -1,9 +1,11 @@
 """The constraint report: all of Eq. 22 with numbers, on the real curve of a plan."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from jaxsusp._types import Float
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.problem.constraints import WORKSPACE_TOLERANCE
 from jaxsusp.scenario.ownunits import PAYLOAD, Frame
@@ -12,7 +14,9 @@ from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.cableloads import Loads, cable_loads
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import Motion
-from jaxsusp.verify.certificate import ROUNDING, Certificate
+from jaxsusp.verify.certificate import ROUNDING, TOLERANCE, Certificate
+from jaxsusp.verify.limits.proof import Bound, Line, prove
+from jaxsusp.verify.limits.quantities import quantity_of, stays
 
 INSTANTS = 2001
 """Times at which everything but the distances is computed: every 20 ms of a 40 s plan."""
@@ -28,6 +32,9 @@ nothing. Ours: the paper gives no number, and heavy arms are hardly faster."""
 TURN = "turn of the load from level"
 """Name of the check that a level load is near its equilibrium."""
 
+RATIO = "tension ratio C_t"
+"""Name of the check of least to greatest tension, which is never above 1 by what it is."""
+
 
 class Check(NamedTuple):
     """One line of the report."""
@@ -40,10 +47,12 @@ class Check(NamedTuple):
     time: float | None  # s, when the value occurs; None where it does not depend on time
     about: str  # which body, cable or robot; "" for the whole system
     slack: float = 0.0  # how far beyond a limit rounding may be
+    proved: bool = False  # that the limit is kept at every instant, not only where it was looked at
+    bound: float | None = None  # what the value is proved never to go beyond
 
     def stated(self, frame: Frame) -> "Check":
         """The same line with numbers as a frame makes them."""
-        numbers = ("value", "low", "high", "slack")
+        numbers = ["value", "low", "high", "slack", *["bound"] * (self.bound is not None)]
         changed = {name: frame.number(getattr(self, name), self.unit) for name in numbers}
         time = None if self.time is None else frame.number(self.time, "s")
         return self._replace(**changed, time=time)
@@ -57,6 +66,13 @@ class Check(NamedTuple):
     def ok(self) -> bool:
         """Whether the limit is kept (NaN is not)."""
         return self.margin >= -self.slack
+
+    @property
+    def kept(self) -> str:
+        """Whether the limit is kept, and how that is known."""
+        if not self.ok:
+            return "broken"
+        return "proved" if self.proved else "sampled"
 
     @property
     def limit(self) -> str:
@@ -76,20 +92,24 @@ class Check(NamedTuple):
         return f"{self.name}{about} is {value}{when}, allowed is {self.limit}"
 
 
-def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check, ...]:
-    """Every limit of Eq. 22 on the real curve.
+def sampled_report(
+    rigging: Rigging, certificate: Certificate, times: Float[np.ndarray, "times"] | None = None
+) -> tuple[Check, ...]:
+    """Every limit of Eq. 22 on the real curve at given times (s), by default `INSTANTS` of them.
 
     Tensions are those with inertia; they must keep T_lo and T_hi, and their peak is compared with
     the ultimate tension T_lim = k_a T_hi as well. At a hook the posture is level by plan; what is
     reported is the tilt at which a hanging load would ride the planned acceleration. With separate
     attachments it is the equilibrium posture, which has to exist, to be near level, and stable.
+    Only distances are proved.
 
     Args:
         rigging: the system along its path.
         certificate: distances.
+        times: when to look.
     """
     scenario, law = rigging.scenario, rigging.law
-    times = np.linspace(0, law.duration, INSTANTS)
+    times = np.linspace(0, law.duration, INSTANTS) if times is None else times
     motion, ends = law.at(times), rigging.ends_at(law.parameter(times))
     loads = cable_loads(scenario, motion.position, motion.acceleration, ends)
     limits = scenario.limits
@@ -106,13 +126,63 @@ def constraint_report(rigging: Rigging, certificate: Certificate) -> tuple[Check
         _of_cable("tension", loads.tensions, times, min, low, inf, "N"),
         _of_cable("tension", loads.tensions, times, max, -inf, high, "N"),
         _of_cable("ultimate tension T_lim", loads.tensions, times, max, -inf, ultimate, "N"),
-        _extreme("tension ratio C_t", balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
+        _extreme(RATIO, balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
         _extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
         *_inside(scenario, motion.position, times),
         *_task(scenario, motion.position, times),
         *_robots(rigging, ends, times),
     ]
     return tuple(checks)
+
+
+def with_proofs(rigging: Rigging, checks: Sequence[Check]) -> tuple[Check, ...]:
+    """Lines with a proof that they are kept at every instant, where there is one.
+
+    A line that gets worse between the instants that were looked at has the value and the time then.
+
+    Args:
+        rigging: the system along its path, in own units.
+        checks: lines of a report; those of which `limits.quantities` knows nothing stay as they
+            are.
+    """
+    lines: list[Line] = []
+    of: list[int] = []
+    for index, check in enumerate(checks):
+        quantity = quantity_of(rigging, check.name, check.about)
+        if quantity is None or not check.ok:
+            continue
+        sides = [(1.0, check.low), (-1.0, check.high)]
+        for sign, limit in sides[:1] if check.name == RATIO else sides:
+            if np.isfinite(limit):
+                lines.append(Line(quantity, sign, limit, check.slack, check.value))
+                of.append(index)
+    found: dict[int, list[Bound]] = {}
+    for index, bound in zip(of, prove(rigging, lines), strict=True):
+        found.setdefault(index, []).append(bound)
+    known: list[Check] = []
+    for index, check in enumerate(checks):
+        if index in found:
+            known.append(_with(check, found[index], rigging.cables))
+        elif check.ok and (stays(rigging, check.name) or check.name.startswith("distance off")):
+            known.append(check._replace(proved=True, bound=check.value))  # nothing is between
+        else:
+            known.append(check)
+    return tuple(known)
+
+
+def _with(check: Check, sides: Sequence[Bound], cables: int) -> Check:
+    """A line with what was found about its one or two sides."""
+    for side in sides:
+        if side.time is not None:
+            of_cables = check.about.startswith("cable ")
+            about = f"cable {side.column % cables + 1}" if of_cables else check.about
+            worse = check._replace(value=side.worst, time=side.time, about=about)
+            check = worse if worse.margin < check.margin else check
+    if not (check.ok and all(side.proved for side in sides)):
+        return check
+    lower = check.value - check.low <= check.high - check.value  # the limit that is nearer
+    bound = next((side.value for side in sides if (side.sign > 0) == lower), sides[0].value)
+    return check._replace(proved=True, bound=bound)
 
 
 def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> list[Check]:
@@ -180,13 +250,21 @@ def _kept(rigging: Rigging, lengths: np.ndarray, ends: np.ndarray, times) -> lis
 
 def _distances(certificate: Certificate) -> list[Check]:
     """The clearances of the certificate; kinds of which there is no pair are left out."""
-    return [
+    checks = [
         Check(
             f"distance of {each.kind}", each.value, each.required, np.inf, "m", each.time,
             " and ".join(each.bodies), ROUNDING,
         )
         for each in certificate.clearances
         if each.bodies[0]
+    ]  # fmt: skip
+    return [
+        check._replace(
+            proved=True, bound=max(check.value - TOLERANCE, check.low - ROUNDING)
+        )
+        if check.ok and certificate.finished
+        else check
+        for check in checks
     ]  # fmt: skip
 
 

@@ -66,6 +66,20 @@ def test_four_ends_with_one_on_an_edge_count_the_edge_once():
     )
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_compiled_as_one_program_no_edge_is_lost_to_rounding(dtype):
+    """A compiler fuses products with sums: what is equal step by step differs in the last digit."""
+    rng = np.random.default_rng(2)
+    benchmark = [[0, 6, 7], [-5.1961524, -3, 7], [5.1961524, -3, 7.0]]
+    fused = jax.jit(gauge)
+    for ends in (benchmark, *rng.uniform(-5, 5, (4, 3, 3))):
+        cast = [
+            vec(rows).each(lambda c: jnp.asarray(c, dtype))
+            for rows in (rng.uniform(-1, 1, (POINTS, 3)), ends)
+        ]
+        np.testing.assert_allclose(fused(*cast), gauge(*cast), rtol=1e-3)
+
+
 def test_factors_by_hand():
     """At the centroid under level ends with equal tensions of half the range."""
     ends = vec([[0, 6, 7], [-(27**0.5), -3, 7], [27**0.5, -3, 7]])

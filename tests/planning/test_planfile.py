@@ -73,6 +73,19 @@ def test_a_file_of_the_first_schema_is_read(plan, file):
         np.testing.assert_allclose(getattr(loaded, field), getattr(plan, field), atol=1e-12)
 
 
+def test_of_a_file_that_does_not_know_proofs_nothing_but_distances_is_proved(plan, file):
+    def back(document):
+        document.update(schema=2)
+        for row in document["report"]:
+            del row["proved"], row["bound"]
+
+    assert all(each.proved == each.ok for each in plan.report)
+    rewrite(file, back)
+    loaded = js.load_plan(file).report
+    assert {each.name.startswith("distance of") for each in loaded if each.proved} <= {True}
+    assert any(each.proved for each in loaded) == plan.certificate.proved
+
+
 def test_the_file_is_plain_json_with_units_in_its_names(file):
     document = json.loads(file.read_text(), parse_constant=lambda word: pytest.fail(word))
     assert document["schema"] == 3

@@ -18,8 +18,8 @@ from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.certificate import Certificate, certify
-from jaxsusp.verify.constraints import TURN, Check, constraint_report
-from jaxsusp.verify.motionlimits import motion_limits
+from jaxsusp.verify.constraints import TURN, Check
+from jaxsusp.verify.report import constraint_report
 
 
 def plan_along(
@@ -58,7 +58,7 @@ def plan_of(
     A certificate speaks of the path, whatever the law; only its times are those of a law.
     """
     scenario, law = rigging.scenario, rigging.law
-    report = (*constraint_report(rigging, certificate), *motion_limits(rigging))
+    report = constraint_report(rigging, certificate)
     reasons = tuple(_reasons(report, certificate, scenario.frame))
     times = np.linspace(0, law.duration, len(law.path.points))
     along, loads = rigging.ends_at(law.parameter(times)), rigging.loads(times)

@@ -38,12 +38,20 @@ function listSentences(section, sentences) {
   section.querySelector("ul").replaceChildren(...sentences.map((text) => made("li", { textContent: text })));
 }
 
+/** How it is known that a limit is kept: a mark, and what it means. */
+const KEPT = {
+  proved: ["✓", "proved at every instant"],
+  sampled: ["○", "kept at the instants that were looked at"],
+  broken: ["✗", "broken"],
+};
+
 /** The limits, the tightest first; a row with a moment goes there. */
 function listLimits(section, track, seek) {
-  section.querySelector("table")?.remove();
+  section.querySelectorAll("table, .kept").forEach((element) => element.remove());
   section.hidden = !track.limits.length;
   if (section.hidden) return;
-  const head = ["limit", "value", "allowed", "at"].map((text) => made("th", { textContent: text, scope: "col" }));
+  const head = ["", "limit", "value", "allowed", "at"].map((text) => made("th", { textContent: text, scope: "col" }));
+  head[0].setAttribute("aria-label", "how it is known");
   const rows = track.limits.map((row) => {
     const at = made("td");
     if (row.time === null) at.textContent = "–";
@@ -55,9 +63,15 @@ function listLimits(section, track, seek) {
     }
     const name = made("th", { scope: "row", textContent: row.limit }, made("small", { textContent: row.of }));
     const classes = [row.ok ? "" : "broken", row === track.tightest ? "tightest" : ""].join(" ");
-    return made("tr", { className: classes.trim() }, name,
+    const [mark, meaning] = KEPT[row.kept];
+    const known = made("td", { className: `mark ${row.kept}`, textContent: mark, title: [meaning, row.bound].filter(Boolean).join(", ") });
+    known.setAttribute("aria-label", known.title);
+    return made("tr", { className: classes.trim() }, known, name,
       made("td", { textContent: row.value }), made("td", { textContent: row.allowed }), at);
   });
+  const used = Object.keys(KEPT).filter((name) => track.limits.some((row) => row.kept === name));
+  const told = used.map((name) => KEPT[name].join(" ")).join(" · ");
+  section.append(made("p", { className: "kept", textContent: told }));
   section.append(made("table", {}, made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...rows)));
 }
 

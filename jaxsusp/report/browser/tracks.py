@@ -121,7 +121,8 @@ def _report(checks: Sequence[Check]) -> dict[str, Any]:
     rows = [
         {
             "limit": limit, "value": value, "allowed": allowed, "margin": margin,
-            "time": each.time, "of": of, "ok": each.ok, "tight": _share(each),
+            "time": each.time, "of": of, "ok": each.ok, "kept": each.kept, "bound": _bound(each),
+            "tight": _share(each),
         }
         for limit, value, allowed, of, margin, each in zip(
             *(frame[name] for name in ("limit", "value", "allowed", "of")), written, checks,
@@ -129,6 +130,14 @@ def _report(checks: Sequence[Check]) -> dict[str, Any]:
         )
     ]  # fmt: skip
     return {"limits": sorted(rows, key=lambda row: row["tight"])}
+
+
+def _bound(check: Check) -> str:
+    """What the value is proved never to be beyond, in words; "" where that is the value itself."""
+    if check.bound is None or check.bound == check.value:
+        return ""
+    below = check.bound <= check.value
+    return f"never {'below' if below else 'above'} {check.bound:.5g} {check.unit}".rstrip()
 
 
 def _share(check: Check) -> float:

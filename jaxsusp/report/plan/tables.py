@@ -20,13 +20,17 @@ ROUNDED = 1e-8
 def limits_table(
     report: Sequence[Check], title: str = "Constraint report (Eq. 22)"
 ) -> pd.DataFrame:
-    """The report, one limit per row: value, what is allowed, margin, when and of what."""
+    """The report, one limit per row: value, what is allowed, margin, when and of what.
+
+    Under "kept" stands how that is known: "proved" at every instant, or "sampled" at many.
+    """
     frame = pd.DataFrame(
         {
             "limit": [each.name.removeprefix("distance of ") for each in report],
             "value": [_with_unit(each.value, each.unit) for each in report],
             "allowed": [_allowed(each) for each in report],
             "margin": [_rounded(each.margin) if each.ok else each.margin for each in report],
+            "kept": [each.kept for each in report],
             "at": [np.nan if each.time is None else each.time for each in report],
             "of": [each.about.removeprefix("load and ") for each in report],
         }
@@ -34,6 +38,7 @@ def limits_table(
     frame.attrs["title"] = title
     frame.attrs["columns"] = {
         "margin": Column("margin", _signed),
+        "kept": Column("kept"),
         "at": Column("at (s)", lambda t: f"{t:.1f}" if np.isfinite(t) else "–"),
     }
     frame.attrs["bold"] = frozenset(
@@ -42,10 +47,24 @@ def limits_table(
         if not each.ok
         for name in ("limit", "margin")
     )
-    broken = sum(not each.ok for each in report)
-    told = "1 limit is broken." if broken == 1 else f"{broken} limits are broken."
-    frame.attrs["caption"] = told if broken else "All limits are kept."
+    frame.attrs["caption"] = _how_kept(report)
     return frame
+
+
+def _how_kept(report: Sequence[Check]) -> str:
+    """Whether all limits are kept, and how that is known, in one sentence."""
+    broken = sum(not each.ok for each in report)
+    if broken:
+        return "1 limit is broken." if broken == 1 else f"{broken} limits are broken."
+    proved = sum(each.proved for each in report)
+    if proved == len(report):
+        return "All limits are kept, proved at every instant."
+    if not proved:
+        return "All limits are kept where they were looked at."
+    return (
+        f"All limits are kept: {proved} proved at every instant, {len(report) - proved} where they "
+        f"were looked at, at {INSTANTS} instants."
+    )
 
 
 def ends_table(plan: Plan) -> pd.DataFrame:

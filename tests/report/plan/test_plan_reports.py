@@ -213,6 +213,23 @@ def test_tables_say_of_which_robot_a_limit_is(end_driven):
 
 
 @pytest.mark.fast
+def test_it_is_told_line_by_line_how_a_limit_is_known_to_be_kept():
+    line = Check("least tension", 5.0, 1.0, np.inf, "N", 3.0, "cable 1")
+    proved = line._replace(proved=True, bound=4.9)
+    broken = line._replace(value=0.5)
+    table = limits_table((proved, line, broken))
+    assert table["kept"].tolist() == ["proved", "sampled", "broken"]
+    captions = [
+        limits_table(report).attrs["caption"]
+        for report in ((proved, proved), (proved, line), (line,), (proved, broken))
+    ]
+    assert captions[0] == "All limits are kept, proved at every instant."
+    assert captions[1].startswith("All limits are kept: 1 proved at every instant, 1 where")
+    assert captions[2] == "All limits are kept where they were looked at."
+    assert captions[3] == "1 limit is broken."
+
+
+@pytest.mark.fast
 def test_rounding_is_shown_as_zero_unless_a_limit_is_broken():
     report = (
         Check("lift of a base", 1.4e-14, -np.inf, 1e-3, "m", 1.0, "robot 1", 1e-9),
