@@ -28,6 +28,10 @@ _HUGE = 1e300
 """Stands in for +inf in quantiles, where ∞ - ∞ would give NaN."""
 
 
+MOST_POINTS = 1000
+"""Points of a cell that are drawn: of more runs, every second, third, … has one."""
+
+
 def convergence(ds: xr.Dataset) -> Figure:
     """Best fitness so far against evaluations: median over the runs, quartiles as a band.
 
@@ -114,11 +118,12 @@ def _view(fitness: xr.DataArray) -> tuple[float, float]:
 def _draw_history(axes: Axes, cell: xr.Dataset, style: Style) -> None:
     """Median line and quartile band of one algorithm in one scenario."""
     history = cell["history"].transpose("iteration", "run").values
-    history = history[~np.isnan(history).all(axis=1)]
-    if len(history) == 0:
+    made = ~np.isnan(history).all(axis=1)
+    if not made.any():
         return
+    history, label = history[made], cell["iteration"].values[made]
     initial = cell["evaluations_initial"].item()
-    share = np.arange(1, len(history) + 1) / len(history)
+    share = label / label[-1]
     end = cell["evaluations"].item() - cell["evaluations_polish"].item()
     spent = initial + (end - initial) * share
     low, middle, high = np.where(np.isinf(band := quartiles(history)), np.nan, band)
@@ -150,6 +155,8 @@ def _draw_runs(axes: Axes, place: int, cell: xr.Dataset, style: Style) -> None:
         medianprops={"color": style.color, "linewidth": 2.4},
         boxprops={"facecolor": style.color + "22", "edgecolor": style.color},
     )  # fmt: skip
+    step = -(-len(fitness) // MOST_POINTS)
+    fitness, clear, lost = fitness[::step], clear[::step], lost[::step]
     spread = (np.arange(len(fitness)) * 0.618034) % 1 - 0.5  # even, and the same every time
     x = place + 0.42 * spread
     for mask, face in ((clear & ~lost, style.color), (~clear & ~lost, "white")):

@@ -64,8 +64,8 @@ def build_tables(ds: xr.Dataset) -> dict[str, pd.DataFrame]:
     if not tables.has_ratios(built["ratios"]):
         del built["ratios"]
     for frame in built.values():
-        said = frame.attrs["caption"], tables.budget(ds), tables.polished(ds)
-        frame.attrs["caption"] = " ".join(filter(None, said))
+        said = tables.budget(ds), tables.polished(ds), tables.processors(ds)
+        frame.attrs["caption"] = " ".join(filter(None, [frame.attrs["caption"], *said]))
     return {name: frame for name, frame in built.items() if not frame.empty}
 
 

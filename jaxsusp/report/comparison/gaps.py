@@ -43,18 +43,19 @@ def evaluations_to(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray
 
     Returns:
         (scenario, algorithm, run): +inf of a run that never got there; NaN where there is no such
-        run or no target. A run that got there when it was polished did with its last evaluation.
+        run or no target. A run that got there when it was polished did with its last evaluation,
+        and one of a long study at the next iteration of which there is history.
     """
-    history = ds["history"]
-    made = history.notnull().any("run").sum("iteration")
-    above_it = (history > target).sum("iteration")  # iterations: the best so far never rises
+    history, label = ds["history"], ds["iteration"]  # of a long study not every iteration is kept
+    made = label.where(history.notnull().any("run")).max("iteration").fillna(0)
+    above_it = (label.where(history <= target).min("iteration") - 1).fillna(made)
     before, after = ds["evaluations_initial"], ds["evaluations_polish"]
     per_step = (ds["evaluations"] - before - after) / made.where(made > 0)
     polished = (after > 0) & (ds["fitness"] <= target)
     last = ds["evaluations"].where(polished, np.inf)
     spent = (before + (above_it + 1) * per_step).where(above_it < made, last)
     there = ds["fitness"].notnull() & np.isfinite(target)
-    return spent.where(there).transpose("scenario", "algorithm", "run")
+    return spent.where(there).transpose("scenario", "algorithm", "run").compute()
 
 
 def expected_running_time(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray:

@@ -96,11 +96,10 @@ def average_convergence(ds: xr.Dataset, scenario: str, width: float = PAGE) -> F
     for name, style in look.items():
         cell = ds.sel(scenario=scenario, algorithm=name)
         mean = cell["history"].mean("run", skipna=True).values.astype(np.float64)
-        mean = mean[np.isfinite(mean)]
-        made = 1 + np.arange(len(mean))
+        made, mean = cell["iteration"].values[np.isfinite(mean)], mean[np.isfinite(mean)]
         first = cell["evaluations_initial"].item()
         each = cell["evaluations"].item() - first - cell["evaluations_polish"].item()
-        spent = first + each * made / max(len(mean), 1)
+        spent = first + each * made / made.max(initial=1)
         for axes, along in ((left, made), (right, spent)):
             _line(axes, along, mean, style)
     for letter, axes, name in zip("ab", (left, right), ("iterations", "evaluations"), strict=True):

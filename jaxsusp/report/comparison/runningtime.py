@@ -64,6 +64,10 @@ def running_time_table(
     return frame
 
 
+DRAWN = 2**22
+"""Values that are drawn at a time."""
+
+
 def bootstrap(
     spent: Float[np.ndarray, " runs"], budget: float, level: float, resamples: int, seed: int
 ) -> tuple[float, float, float]:
@@ -81,8 +85,12 @@ def bootstrap(
     ert = float(_expected(cost[None], reached[None])[0])
     if len(spent) < 2:
         return ert, np.nan, np.nan
-    picks = np.random.default_rng(seed).integers(len(spent), size=(resamples, len(spent)))
-    found = _expected(cost[picks], reached[picks])
+    rng, at_once = np.random.default_rng(seed), max(1, DRAWN // len(spent))
+    found = np.empty(0)
+    for first in range(0, resamples, at_once):  # of 100,000 runs all at once fill no memory
+        size = min(at_once, resamples - first), len(spent)
+        picks = rng.integers(len(spent), size=size)
+        found = np.append(found, _expected(cost[picks], reached[picks]))
     low, high = np.quantile(found, [(1 - level) / 2, (1 + level) / 2], method="inverted_cdf")
     return ert, float(low), float(high)
 

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jaxsusp.comparison.dataset import PROCESSORS
 from jaxsusp.report.comparison import gaps, paper
 from jaxsusp.report.comparison.statistics import samples_of, vargha_delaney
 from jaxsusp.report.render import Cell, Column, Footnote, duration
@@ -225,6 +226,17 @@ def budget(ds: xr.Dataset) -> str:
             f"made in it: {iterations}."
         )
     return ""
+
+
+def processors(ds: xr.Dataset) -> str:
+    """A sentence where runs were computed on processors of different kinds, else ""."""
+    kinds = json.loads(ds.attrs.get(PROCESSORS, "[]"))
+    if len(kinds) < 2:
+        return ""
+    return (
+        f"Runs were computed on processors of {len(kinds)} kinds ({', '.join(kinds)}), whose "
+        "arithmetic rounds differently: other processors give these results in distribution."
+    )
 
 
 def polished(ds: xr.Dataset) -> str:

@@ -49,6 +49,12 @@ def test_evaluations_to_a_target_are_those_of_whole_iterations(comparison):
     assert sdbo.values.tolist() == [np.inf, 300, np.inf, np.inf]
 
 
+def test_of_thinned_histories_a_target_is_reached_at_the_next_iteration_kept(comparison):
+    thin = comparison.assign_coords(iteration=[1, 2, 3, 4, 5]).sel(iteration=[1, 3, 5])
+    assert of_pso(gaps.evaluations_to(thin, 1600.0)) == [150, 90, 150, np.inf]
+    assert of_pso(gaps.evaluations_to(thin, 1e9)) == [30] * 4
+
+
 def test_the_expected_running_time_pays_for_the_runs_that_fail(comparison):
     ert = gaps.expected_running_time
     assert of_pso(ert(comparison, 1600.0)) == (120 + 90 + 150 + 150) / 3

@@ -89,6 +89,22 @@ def test_the_median_interval_covers_as_often_as_it_says(comparison):
     assert 0.9 < covered < 0.99
 
 
+def test_of_many_runs_the_interval_is_what_resampling_tends_to(comparison, monkeypatch):
+    draws = np.random.default_rng(0).exponential(size=(1, 1, 1001))
+    many = comparison.drop_dims(["scenario", "algorithm", "run"]).assign(
+        fitness=(("scenario", "algorithm", "run"), draws)
+    )
+    many = many.assign_coords(scenario=["s"], algorithm=["a"])
+    ideal = statistics.medians(many).iloc[0]
+    monkeypatch.setattr(statistics, "MANY", 10_000)
+    drawn = statistics.medians(many, resamples=20_000).iloc[0]
+    ordered = np.sort(draws.ravel())
+    for name in ("low", "high"):
+        places = np.searchsorted(ordered, [ideal[name], drawn[name]])
+        assert abs(np.diff(places).item()) <= 1, name
+    assert ideal["median"] == drawn["median"] == ordered[500]
+
+
 def test_infinite_fitness_stays_in_the_interval(comparison):
     comparison["fitness"][0, 0, :3] = INF
     row = statistics.medians(comparison, resamples=200).iloc[0]
