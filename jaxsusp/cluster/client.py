@@ -104,7 +104,7 @@ def _of_this_machine(workers: int) -> LocalCluster:
         threads_per_worker=1,
         processes=True,
         memory_limit=None,
-        dashboard_address=None,
+        dashboard_address="127.0.0.1:0",
         silence_logs=logging.CRITICAL,
         env={"JAX_NUM_CPU_DEVICES": share},
         preload=["jaxsusp.cluster.deaf"],

@@ -93,8 +93,8 @@ def compare(
     Returns:
         The dataset described by `jaxsusp.comparison.dataset.VARIABLES`. Above 1000 runs `output`
         holds a file for every chunk and `compare.json`, which lists them; histories have 51 of
-        their iterations, that of the best run all of them, and what belongs to runs is read when
-        it is asked for.
+        their iterations, that of the best run all of them, and they are read when they are asked
+        for, as decision vectors are.
 
     Raises:
         InputError: bad settings, a folder that cannot be written or that another process writes

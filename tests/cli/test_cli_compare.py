@@ -15,7 +15,6 @@ import xarray as xr
 
 import jaxsusp as js
 from jaxsusp.comparison import compare as comparison
-from jaxsusp.comparison import dataset as results
 from jaxsusp.comparison import workunit
 from jaxsusp.comparison.kept.store import FILE, PARTS
 from jaxsusp.report.browser import results as webpage
@@ -367,7 +366,7 @@ def test_an_interrupt_while_drawing_says_that_the_comparison_is_complete(
     code, _, err = run("compare", *SMALL, "--output", tmp_path)
     assert code == 130
     assert f"`jaxsusp report {tmp_path / FILE}` writes its report" in err
-    assert results.load_results(tmp_path / FILE).sizes["algorithm"] == 2
+    assert js.load_results(tmp_path / FILE).sizes["algorithm"] == 2
 
 
 # Progress and pictures

@@ -47,7 +47,7 @@ def test_open_opens_it(run, plan, tmp_path, monkeypatch):
     [
         (lambda text: text[: len(text) // 2], "it was cut short or damaged"),
         (lambda text: text.replace('"feasible": true', '"feasible": false'), "edited by hand"),
-        (lambda text: text.replace('"schema": 2', '"schema": 9'), "a newer version of jaxsusp"),
+        (lambda text: text.replace('"schema": 3', '"schema": 9'), "a newer version of jaxsusp"),
         (lambda text: "{}", "is not a plan"),
     ],
 )

@@ -62,11 +62,10 @@ def test_it_has_the_numbers_of_one_file(study, fake):
     assert ds["history_best"].sizes["step"] == 6
 
 
-def test_what_belongs_to_runs_is_read_when_it_is_asked_for(study):
+def test_what_is_large_is_read_when_it_is_asked_for(study):
     ds = js.load_results(study / MANIFEST)
     lazy = {name for name in ds.data_vars if isinstance(ds[name].data, da.Array)}
-    of_runs = {name for name, variable in VARIABLES.items() if "run" in variable.dims}
-    assert lazy == of_runs - {"fitness"}
+    assert lazy == {"history", "x"}
     assert list(ds.data_vars) == list(VARIABLES)
     for name, variable in VARIABLES.items():
         assert ds[name].dims == variable.dims
@@ -150,7 +149,7 @@ def test_what_it_takes_is_told_before(tmp_path, fake, short_is_long, measured):
 def test_what_the_disk_cannot_hold_is_not_begun(tmp_path, fake, short_is_long, measured):
     with pytest.raises(js.InputError, match=r"needs 1e\+06 GiB on disk and .* are free"):
         Estimate(1.0, 1, 2**50).require_room(tmp_path / "new")
-    assert str(Estimate(7200, 2**30, 3 * 2**20)) == (
+    assert str(Estimate(7200.0, 2**30, 3 * 2**20)) == (
         "about 2 hours, 1 GiB of memory and 3 MiB on disk"
     )
 

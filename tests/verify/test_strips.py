@@ -89,7 +89,10 @@ def test_half_the_interval_makes_a_strip_four_times_as_narrow():
     assert width(0.01) / width(0.005) == pytest.approx(4, rel=0.1)
 
 
-@given(st.floats(-2e3, 2e3), st.floats(-2e3, 2e3))
+NUMBERS = st.floats(-2e3, 2e3).filter(lambda v: v == 0 or abs(v) > 1e-100)  # squares stay normal
+
+
+@given(NUMBERS, NUMBERS)
 @settings(deadline=None)
 def test_rounding_is_part_of_a_strip(x, y):
     """(x + y)² - x² - 2 x y - y² is zero, and what is left of it is rounding."""

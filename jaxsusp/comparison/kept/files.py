@@ -28,7 +28,8 @@ def load_results(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a saved dataset into memory, exactly as it was saved.
 
     What files of earlier versions do not hold is added, see `kept.earlier`. Of a long study
-    (`compare.json`) what belongs to runs is read when it is asked for, see `kept.study`.
+    (`compare.json`) histories and decision vectors are read when they are asked for, see
+    `kept.study`.
 
     Raises:
         InputError: the file is missing, no NetCDF-4, damaged, or not a comparison of this layout.

@@ -13,7 +13,13 @@ LIKE = 1.5
 """Ratio to the benchmark's size, or its mass, up to which its defaults are taken to fit."""
 
 
-_IN_WORDS = {"ground": "at the lowest base", "joint_limits_deg": "none"}
+_UNLIMITED = ("speed", "acceleration", "jerk", "cable_speed")
+"""Limits of motion, which a file may state."""
+
+_IN_WORDS = {
+    "ground": "at the lowest base", "joint_limits_deg": "none",
+    "joint_speed_deg": "90 where arms move", **dict.fromkeys(_UNLIMITED, "none"),
+}  # fmt: skip
 """What the absence of a value means."""
 
 
@@ -62,5 +68,11 @@ def unfitting(scenario: Statement) -> tuple[str, ...]:
     sized = {key for table in UNITS.values() for key in table} - {"tension"}
     heavy = set() if alike(frame.mass) else {"tension"}
     unlike = heavy if alike(frame.length) else sized | heavy
-    unlike -= {"center_of_mass", "scale", "attachments"}  # none in any size
+    unlike -= {
+        "center_of_mass",
+        "scale",
+        "attachments",
+        "joint_speed_deg",
+        *_UNLIMITED,
+    }  # none in any size
     return tuple(key.path for key in keys_of(scenario) if not key.given and key.key in unlike)

@@ -47,8 +47,9 @@ def evaluations_to(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray
         and one of a long study at the next iteration of which there is history.
     """
     history, label = ds["history"], ds["iteration"]  # of a long study not every iteration is kept
-    made = label.where(history.notnull().any("run")).max("iteration").fillna(0)
-    above_it = (label.where(history <= target).min("iteration") - 1).fillna(made)
+    made = xr.where(history.notnull().any("run"), label, 0).max("iteration")
+    reached = xr.where(history <= target, label, np.inf).min("iteration")
+    above_it = (reached - 1).where(reached < np.inf, made)
     before, after = ds["evaluations_initial"], ds["evaluations_polish"]
     per_step = (ds["evaluations"] - before - after) / made.where(made > 0)
     polished = (after > 0) & (ds["fitness"] <= target)
