@@ -76,7 +76,9 @@ def _of_a_scheduler(place: Place) -> Client:
             f"scheduler = {file}: no such file; give what `dask scheduler --scheduler-file` wrote, "
             "or an address such as tcp://HOST:8786"
         )
-    where = {"scheduler_file": str(file)} if file.is_file() else {"address": place.scheduler}
+    where: dict[str, Any] = (
+        {"scheduler_file": str(file)} if file.is_file() else {"address": place.scheduler}
+    )
     security = None
     if place.tls_ca or place.tls_cert:
         security = Security(
@@ -134,7 +136,7 @@ class Cluster:
 
     def _introduce(self) -> None:
         """Ask everybody who is there for their software, and refuse by name who has another."""
-        there = self.client.run(software, on_error="return")
+        there: Any = self.client.run(software, on_error="return")
         self._seen = bool(there)
         for address, answer in there.items():
             if isinstance(answer, Software):
@@ -214,7 +216,7 @@ class Cluster:
         while True:
             try:
                 with self.client.as_current():
-                    ended = wait([*numbers], timeout=LOOK, return_when="FIRST_COMPLETED")
+                    ended: Any = wait([*numbers], timeout=LOOK, return_when="FIRST_COMPLETED")
                 return list(ended.done)
             except TimeoutError:
                 pass
@@ -245,8 +247,8 @@ class Cluster:
         except (*CANCELLED, OSError) as error:
             raise self._lost("the scheduler is gone") from error
         if done.refused:
-            where = self.client.who_has([future]).get(future.key, ())
-            for address in where:
+            where: Any = self.client.who_has([future])
+            for address in where.get(future.key, ()):
                 self._refuse(address, f"{done.refused} (on {done.host})")
         return done
 

@@ -47,5 +47,6 @@ def employed(
             return
     from jaxsusp.cluster.client import connected
 
-    with connected(workers if place is None else place, told) as cluster:
+    chosen: Any = workers if place is None else place
+    with connected(chosen, told) as cluster:
         yield cluster

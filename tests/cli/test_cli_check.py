@@ -34,7 +34,8 @@ def test_a_good_task_in_words_and_a_picture(run, tmp_path):
     assert status == 0
     assert "3 robots" in said
     assert "obstacles: 4 boxes, 1 cylinder, 1 sphere" in said
-    assert "Default: [limits] joint_limits_deg = none; ground = at the lowest base." in said
+    assert "Default: [limits] joint_limits_deg = none" in said
+    assert "ground = at the lowest base." in said
     assert "Own units: 1 m" in said
     assert "1.00 … 5.00" in said
     assert "The widest way is narrowest at task.start (0, 2, 1)" in said
