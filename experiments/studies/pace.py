@@ -152,11 +152,7 @@ def table(frame: pd.DataFrame) -> pd.DataFrame:
         "swing_plain": Column("swing, plain (°)", "{:.3f}".format),
         "swing_calm": Column("swing, calm (°)", "{:.4f}".format),
     }
-    order = ["scenario", *shown.attrs["columns"]]
-    attrs = shown.attrs
-    shown = shown[order]
-    shown.attrs = attrs
-    return shown
+    return shown[["scenario", *shown.attrs["columns"]]]  # attributes come along
 
 
 def figure(frame: pd.DataFrame) -> Figure:

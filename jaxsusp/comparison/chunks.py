@@ -168,15 +168,20 @@ def _bytes(chunk: Chunk, kept: int) -> int:
 def _time(seconds: float) -> str:
     for unit, name in ((86400, "days"), (3600, "hours"), (60, "minutes")):
         if seconds >= 1.5 * unit:
-            return f"{seconds / unit:.2g} {name}"
-    return f"{seconds:.2g} seconds"
+            return f"{_few(seconds / unit)} {name}"
+    return f"{_few(seconds)} seconds"
 
 
 def _size(count: int) -> str:
     for unit, name in ((2**30, "GiB"), (2**20, "MiB")):
         if count >= unit:
-            return f"{count / unit:.2g} {name}"
-    return f"{count / 1024:.2g} KiB"
+            return f"{_few(count / unit)} {name}"
+    return f"{_few(count / 1024)} KiB"
+
+
+def _few(number: float) -> str:
+    """Two digits, or whole where it has more before the point."""
+    return f"{number:.2g}" if number < 10 else f"{number:.0f}"
 
 
 def is_long(runs: int) -> bool:

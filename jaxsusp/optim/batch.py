@@ -31,7 +31,8 @@ CHUNKS = 20
 
 LEAST = 2
 """Runs of a device at least, if need be one of them twice: XLA rounds the arithmetic of a single
-run in its own way, and a run is the same in whatever batch it is computed."""
+run in its own way, and a run is the same in whatever batch it is computed. (`routed` on one device
+still differs in the last digits from `routed` on two.)"""
 
 
 def run_batch(

@@ -14,7 +14,7 @@ from jaxsusp.problem.fitness import position_terms
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
 from jaxsusp.vec3 import Vec3, pack_rows
-from jaxsusp.verify.simulation import simulate
+from jaxsusp.verify.simulation import Simulation, simulate
 
 
 def rank(plan: Plan) -> tuple:
@@ -31,10 +31,19 @@ def with_settings(plan: Plan, **settings: Any) -> Plan:
     return replace(plan, settings={**plan.settings, **settings})
 
 
+def simulated(plan: Plan) -> tuple[Simulation, tuple[str, ...]]:
+    """A plan as it is played, and what speaks against it: nothing where a load that swings follows.
+
+    Args:
+        plan: in own units.
+    """
+    seen, scenario = simulate(plan.rigging), plan.scenario
+    return seen, tuple(seen.problems(scenario.limits, scenario.frame))
+
+
 def simulated_problems(plan: Plan) -> tuple[str, ...]:
-    """What speaks against a plan once it is played; nothing where a load that swings follows it."""
-    scenario = plan.scenario
-    return tuple(simulate(plan.rigging).problems(scenario.limits, scenario.frame))
+    """What speaks against a plan once it is played."""
+    return simulated(plan)[1]
 
 
 def fitness_of(

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -142,7 +143,8 @@ def test_an_algorithm_of_ones_own_module_is_told(daemons):
 
 
 def test_processes_of_this_machine_find_the_same(undisturbed, monkeypatch):
-    path = os.pathsep.join([*os.sys.path[-1:], os.environ.get("PYTHONPATH", "")])
+    here = str(Path(__file__).parents[1] / "comparison")  # of `thrifty`, which workers must have
+    path = os.pathsep.join([here, os.environ.get("PYTHONPATH", "")])
     monkeypatch.setenv("PYTHONPATH", path)
     ds = js.compare("scenario-1", [thrifty()], **STUDY, workers=1)
     assert_same_numbers(ds, undisturbed)

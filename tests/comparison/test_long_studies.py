@@ -1,6 +1,7 @@
 """Studies that are bigger than memory: a file for every chunk, read when it is asked for."""
 
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -146,9 +147,19 @@ def test_what_it_takes_is_told_before(tmp_path, fake, short_is_long, measured):
     assert "of memory and" in events[0].note
 
 
-def test_what_the_disk_cannot_hold_is_not_begun(tmp_path, fake, short_is_long, measured):
-    with pytest.raises(js.InputError, match=r"needs 1e\+06 GiB on disk and .* are free"):
-        Estimate(1.0, 1, 2**50).require_room(tmp_path / "new")
+def test_what_the_disk_cannot_hold_is_not_begun(
+    tmp_path, fake, short_is_long, measured, monkeypatch
+):
+    room = shutil._ntuple_diskusage(2**30, 2**30 - 1024, 1024)
+    monkeypatch.setattr(shutil, "disk_usage", lambda place: room)
+    with pytest.raises(js.InputError, match=r"needs \d+ KiB on disk and 1 KiB are free"):
+        js.compare(SCENARIOS, ("pso",), **LONG, output=tmp_path / "new")
+    assert not fake
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_an_estimate_is_told_in_round_numbers():
+    assert "7 seconds, 150 MiB of memory" in str(Estimate(7.0, 150 * 2**20, 1))
     assert str(Estimate(7200.0, 2**30, 3 * 2**20)) == (
         "about 2 hours, 1 GiB of memory and 3 MiB on disk"
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from jaxsusp.verify.limits.strips import Strip, cross, dot, heading, least, norm, stacked
@@ -89,14 +89,12 @@ def test_half_the_interval_makes_a_strip_four_times_as_narrow():
     assert width(0.01) / width(0.005) == pytest.approx(4, rel=0.1)
 
 
-NUMBERS = st.floats(-2e3, 2e3).filter(lambda v: v == 0 or abs(v) > 1e-100)  # squares stay normal
-
-
-@given(NUMBERS, NUMBERS)
+@given(st.floats(-2e3, 2e3), st.floats(-2e3, 2e3))
+@example(1.5e-158, 1.5e-158)  # whose squares underflow
 @settings(deadline=None)
 def test_rounding_is_part_of_a_strip(x, y):
     """(x + y)² - x² - 2 x y - y² is zero, and what is left of it is rounding."""
     a, b = (Strip(*(np.array([value]) for value in (v, 0.0, 0.0))) for v in (x, y))
     found = (a + b) * (a + b) - a * a - 2.0 * (a * b) - b * b
     assert abs(found.middle) <= found.rest
-    assert found.rest <= 1e-13 * (abs(x) + abs(y)) ** 2
+    assert found.rest <= 1e-13 * (abs(x) + abs(y)) ** 2 + 1e-298

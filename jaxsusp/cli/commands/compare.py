@@ -149,7 +149,7 @@ def compare(
                 if bar.kept
                 else "no algorithm had finished; nothing was written."
             )
-    file = output / (MANIFEST if (output / MANIFEST).exists() else FILE)
+    file = _saved_in(output)
     try:
         _report(ds, [file], output, gap, as_json)
     except KeyboardInterrupt:
@@ -173,7 +173,7 @@ def report(
 ) -> None:
     """Write the tables and figures of saved comparisons again, or one page with all of it."""
     for place in results:
-        file = place / (MANIFEST if (place / MANIFEST).exists() else FILE)
+        file = _saved_in(place)
         remedy = f"give {file}" if file.exists() else f"give a {FILE} that `jaxsusp compare` wrote"
         require(not place.is_dir(), f"{place}: is a folder, not a file; {remedy}")
 
@@ -182,6 +182,12 @@ def report(
 
     devices.configure()
     _report(load_together(results), results, output, gap, as_json, html)
+
+
+def _saved_in(folder: Path) -> Path:
+    """The file of a folder's comparison: the list of a long study, or all of a shorter one."""
+    manifest = folder / MANIFEST
+    return manifest if manifest.exists() else folder / FILE
 
 
 def _report(

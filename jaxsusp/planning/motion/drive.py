@@ -18,14 +18,14 @@ from jaxsusp.planning.motion.demands import covered, demands_along, swing_period
 from jaxsusp.planning.motion.pace import shortest, stretch_of
 from jaxsusp.planning.motion.wanted import Wanted
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import with_settings
+from jaxsusp.planning.ranking import simulated, with_settings
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.shaping import shaped
 from jaxsusp.trajectory.timelaw import TimeLaw
 from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.model import SWING_DAMPING
 from jaxsusp.verify.report import constraint_report
-from jaxsusp.verify.simulation import TENSION, TRACKING, Simulation, simulate
+from jaxsusp.verify.simulation import TENSION, TRACKING, Simulation
 
 TRIES = 12
 """Times that a shortest law is slowed until a swinging load follows."""
@@ -74,7 +74,7 @@ def followed(found: Plan, wanted: Wanted) -> Plan:
         found: in own units, feasible.
         wanted: what was asked for.
     """
-    seen, problems = _seen(found)
+    seen, problems = simulated(found)
     if not problems:
         return found
     nominal = _with_law(found, _least_jerk(found, wanted))
@@ -84,16 +84,10 @@ def followed(found: Plan, wanted: Wanted) -> Plan:
     for _ in range(TRIES):
         more *= _stretch_for(seen)
         plan = _faster(nominal, _with_law(found, laws.law(more)))
-        seen, problems = _seen(plan)
+        seen, problems = simulated(plan)
         if not problems:
             break
     return replace(plan, feasible=not problems, reasons=problems)
-
-
-def _seen(plan: Plan) -> tuple[Simulation, tuple[str, ...]]:
-    """A plan as it is played, and what speaks against it."""
-    seen, scenario = simulate(plan.rigging), plan.scenario
-    return seen, tuple(seen.problems(scenario.limits, scenario.frame))
 
 
 def shortest_laws(rigging: Rigging, wanted: Wanted) -> Laws | None:

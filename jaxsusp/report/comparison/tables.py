@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jaxsusp.comparison.dataset import PROCESSORS
+from jaxsusp.comparison import dataset
 from jaxsusp.report.comparison import gaps, paper
 from jaxsusp.report.comparison.statistics import samples_of, vargha_delaney
 from jaxsusp.report.render import Cell, Column, Footnote, duration
@@ -230,7 +230,7 @@ def budget(ds: xr.Dataset) -> str:
 
 def processors(ds: xr.Dataset) -> str:
     """A sentence where runs were computed on processors of different kinds, else ""."""
-    kinds = json.loads(ds.attrs.get(PROCESSORS, "[]"))
+    kinds = dataset.processors(ds)
     if len(kinds) < 2:
         return ""
     return (

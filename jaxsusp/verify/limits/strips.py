@@ -20,6 +20,9 @@ from jaxsusp._types import Float
 EPS = 2e-15
 """More than what the few operations of one step round off, of the size of what they work with."""
 
+TINY = 1e-300
+"""More than what a product loses where it underflows."""
+
 
 class Strip:
     """Many strips as three arrays of one shape: the intervals first, then any further axes.
@@ -97,7 +100,7 @@ class Strip:
         if isinstance(other, Strip):
             return self._times(other)
         size = np.abs(other)
-        rest = self.rest * size + EPS * (self.size * size)
+        rest = self.rest * size + EPS * (self.size * size) + TINY
         return Strip(self.middle * other, self.slope * other, rest)
 
     __rmul__ = __mul__
@@ -107,6 +110,7 @@ class Strip:
         bent = self.slope * other.slope / 2
         mine, its = self.size, other.size
         rest = self.rest * (its + other.rest) + mine * (other.rest + EPS * its) + np.abs(bent)
+        rest = rest + TINY
         slope = self.middle * other.slope + self.slope * other.middle
         return Strip(self.middle * other.middle + bent, slope, rest)
 
