@@ -27,7 +27,7 @@ DIFFERS = (
     "by itself, in all sixteen combinations: none of them is DBO, all of them are SDBO."
 )
 MADE = READ = ("ablation_six", "ablation_random")
-MINUTES = 10.0
+MINUTES = 30.0
 WAYPOINTS, SAMPLES, SEARCH = 5, 40, "free-space"
 
 
@@ -35,10 +35,10 @@ class Settings(NamedTuple):
     """Sixteen variants on all scenes, twice: as many iterations, as many evaluations."""
 
     scenarios: tuple[str, ...] = js.scenarios()
-    runs: int = 6  # on each of them
+    runs: int = 9  # on each of them
     random: int = 50  # random scenes beside them
-    runs_of_random: int = 2
-    iterations: int = 250
+    runs_of_random: int = 3
+    iterations: int = 500
     population: int = 30
     seed: int = 0
 
@@ -92,7 +92,7 @@ def unit_of(made: Switches, group: Group, settings: Settings, budget: str) -> Un
 
 
 def ended(units: Sequence[Unit], settings: Settings) -> xr.Dataset:
-    """How the runs of one variant ended: the first unit has more of them, two at a time."""
+    """How the runs of one variant ended: the first unit has more of them, as many at a time."""
     done: list[xr.Dataset] = []
     for number, unit in enumerate(units):
         runs = settings.runs_of_random if number else settings.runs

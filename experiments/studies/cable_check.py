@@ -32,7 +32,7 @@ DIFFERS = (
     "others cut?"
 )
 MADE = READ = ("cable-check",)
-MINUTES = 4.0
+MINUTES = 8.0
 
 
 class Settings(NamedTuple):
@@ -40,7 +40,7 @@ class Settings(NamedTuple):
 
     scenarios: tuple[str, ...] = js.scenarios()
     algorithms: tuple[str, ...] = (*PUBLISHED, "cmaes", "routed")
-    searches: tuple[str, ...] = ("box",)  # of `problem.choices.SEARCHES`
+    searches: tuple[str, ...] = ("box", "free-space")  # of `problem.choices.SEARCHES`
     runs: int = 10
     iterations: int = 500
     population: int = 30

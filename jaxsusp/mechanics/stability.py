@@ -81,14 +81,12 @@ def polygon_gauge(point: Vec3, ends: Vec3) -> Array:
     side = span_x[:, :, None] * span_y[:, None, :] - span_y[:, :, None] * span_x[:, None, :]
     along = span_x[:, :, None] * span_x[:, None, :] + span_y[:, :, None] * span_y[:, None, :]
     square = (span_x**2 + span_y**2)[:, :, None]
-    longest = square
-    if x.dtype == jnp.float64:
-        # A compiler that fuses a product with a sum rounds equal things differently. In single
-        # precision this is still to come: every kept run of SDBO was made without it.
-        rounding = 4 * float(jnp.finfo(x.dtype).eps)
-        scale = jnp.abs(span_x)[:, :, None] * jnp.abs(span_y)[:, None, :]
-        side = jnp.where(jnp.abs(side) <= rounding * (scale + scale.swapaxes(1, 2)), 0, side)
-        longest = square * (1 + rounding)
+    # A compiler that fuses a product with a sum rounds equal things differently: what is within
+    # rounding of a hull edge's line lies on it.
+    rounding = 4 * float(jnp.finfo(x.dtype).eps)
+    scale = jnp.abs(span_x)[:, :, None] * jnp.abs(span_y)[:, None, :]
+    side = jnp.where(jnp.abs(side) <= rounding * (scale + scale.swapaxes(1, 2)), 0, side)
+    longest = square * (1 + rounding)
     beyond = (side == 0) & ((along < 0) | (along > longest))  # keep only the longest of collinear
     edge = (square[:, :, 0] > 0) & jnp.all((side >= 0) & ~beyond, axis=2)
 

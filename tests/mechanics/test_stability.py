@@ -66,12 +66,7 @@ def test_four_ends_with_one_on_an_edge_count_the_edge_once():
     )
 
 
-KEPT = "kept runs of SDBO were made with it; they are to be made anew together"
-
-
-@pytest.mark.parametrize(
-    "dtype", [pytest.param("float32", marks=pytest.mark.xfail(reason=KEPT, strict=True)), "float64"]
-)
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
 def test_compiled_as_one_program_no_edge_is_lost_to_rounding(dtype):
     """A compiler fuses products with sums: what is equal step by step differs in the last digit."""
     rng = np.random.default_rng(2)

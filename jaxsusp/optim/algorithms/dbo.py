@@ -76,7 +76,8 @@ def framed_name(name: str, frame: str) -> str:
 
 def origin_of(c: DboCoefficients, problem: Problem) -> Float[Array, "1 dim"]:
     """What positions are scaled about, as a row beside a population."""
-    return (problem.origin + c.task_frame * (problem.reference - problem.origin))[None]
+    # Exactly one or the other: a difference of far points would be rounded.
+    return ((1 - c.task_frame) * problem.origin + c.task_frame * problem.reference)[None]
 
 
 def dbo(frame: str = "world", **coefficients: float) -> Optimizer:
