@@ -85,6 +85,7 @@ test-fast: setup
 bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks
 	$(REFERENCE)/bin/python -m benchmarks.regions
+	$(BIN)/python -m benchmarks.crowd
 
 bench-peers: $(PEERS)/.current
 	$(PEERS)/bin/python -m benchmarks.peers

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 import jaxsusp as js
-from jaxsusp.problem.problem import Suspension
+from jaxsusp.problem.suspension import Suspension
 
 SIZES = {"runs": 2, "iterations": 5, "population": 10}
 

@@ -8,7 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxsusp.comparison.workunit import evaluate_exactly
-from jaxsusp.problem.problem import Problem, Suspension, stack_problems
+from jaxsusp.problem.problem import Problem, stack_problems
+from jaxsusp.problem.suspension import Suspension
 from jaxsusp.scenario.scenario import load_scenario
 
 

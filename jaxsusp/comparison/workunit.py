@@ -23,7 +23,8 @@ from jaxsusp.optim.loop import Evaluations, count_evaluations, require_begun
 from jaxsusp.optim.outcome import Outcome
 from jaxsusp.optim.polish import EVALUATIONS, polish_batch
 from jaxsusp.problem.fitness import FitnessTerms, curvature, trajectory
-from jaxsusp.problem.problem import Problem, Suspension, stack_problems
+from jaxsusp.problem.problem import Problem, stack_problems
+from jaxsusp.problem.suspension import Suspension
 from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, obstacle_counts

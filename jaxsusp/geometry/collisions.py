@@ -82,7 +82,7 @@ def count_collisions(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> In
         The count per trajectory; 0 means clear at every instant of the polyline.
     """
     bodies = with_margin(bodies, position.x.dtype)
-    return _count(Motion.of(position), bodies, tuple(_each_cable(bodies)), obstacles)
+    return _count(Motion.of(position), bodies, tuple(each_cable(bodies)), obstacles)
 
 
 def count_at_samples(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Int[Array, "*batch"]:
@@ -154,7 +154,7 @@ class SweptCable(NamedTuple):
     step: Vec3 | None  # None: the end stays
 
 
-def _each_cable(bodies: Bodies) -> Iterator[SweptCable]:
+def each_cable(bodies: Bodies) -> Iterator[SweptCable]:
     """Every cable; a common hook serves them all."""
     for k in range(bodies.ends.x.shape[0]):
         end = component(bodies.ends, k)

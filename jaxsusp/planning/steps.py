@@ -32,7 +32,8 @@ from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import fitness_of, simulated_problems, with_settings
 from jaxsusp.planning.waypoints import laid, sample_path
 from jaxsusp.problem.hardturns import PRICE, gently
-from jaxsusp.problem.problem import Problem, Suspension, stack_problems
+from jaxsusp.problem.problem import Problem, stack_problems
+from jaxsusp.problem.suspension import Suspension
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import build_world, rounded_counts, rounded_up
 from jaxsusp.suspension.rigging import ends_beside

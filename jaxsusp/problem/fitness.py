@@ -18,6 +18,7 @@ from jaxsusp.geometry.collisions import (
     count_between,
     count_collisions,
 )
+from jaxsusp.geometry.nearby import Nearby, count_nearby
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.problem.choices import CONTACTS
 from jaxsusp.problem.constraints import count_turned, count_violations
@@ -95,6 +96,7 @@ def fitness_terms(
     with_cables: bool = True,
     contacts: str = CONTACTS[0],
     ends: Vec3 | None = None,
+    nearby: Nearby | None = None,
 ) -> FitnessTerms:
     """All terms of Eq. 21 for the trajectory through the waypoints of x.
 
@@ -109,9 +111,12 @@ def fitness_terms(
         contacts: where they are looked for, one of `CONTACTS`.
         ends: P_k (K, n) along the trajectory (m), where they do not follow the mode's plain rule;
             contacts are then counted by `count_between`.
+        nearby: which obstacles can be touched from where, so that only those are tested; default
+            that all of them are.
     """
     position = trajectory(world, x, samples)
-    return position_terms(world, position, with_stability, drive, with_cables, contacts, ends)
+    structure = with_stability, drive, with_cables, contacts
+    return position_terms(world, position, *structure, ends, nearby)
 
 
 def position_terms(
@@ -122,6 +127,7 @@ def position_terms(
     with_cables: bool = True,
     contacts: str = CONTACTS[0],
     ends: Vec3 | None = None,
+    nearby: Nearby | None = None,
 ) -> FitnessTerms:
     """All terms of Eq. 21 for sampled positions (m), whatever curve they are on.
 
@@ -133,10 +139,13 @@ def position_terms(
         with_cables: whether cables and arms count.
         contacts: where they are looked for.
         ends: where they do not follow the mode's plain rule.
+        nearby: which obstacles can be touched from where.
     """
     path = sampled_path(world, position, drive, ends)
     lengths, tensions = path.lengths, path.tensions
     count = count_collisions if ends is None else count_between
+    if nearby is not None and ends is None:
+        count = functools.partial(count_nearby, nearby=nearby)
     count = count_at_samples if contacts == "sampled" else count
     collisions = count(position, path.avoiding(world, with_cables), world.obstacles)
     violations = count_violations(world, position, lengths, tensions, with_stability, path.ends)

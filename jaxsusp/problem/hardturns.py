@@ -14,7 +14,8 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.problem.fitness import curvature, trajectory
-from jaxsusp.problem.problem import Problem, Suspension
+from jaxsusp.problem.problem import Problem
+from jaxsusp.problem.suspension import Suspension
 from jaxsusp.scenario.world import cast_world
 from jaxsusp.suspension.levelload import ends_at, tensions_at
 from jaxsusp.vec3 import Vec3, norm

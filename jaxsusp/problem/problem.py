@@ -5,7 +5,6 @@ problems go through `vmap`. Any JAX function can take the place of the suspensio
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import jax
@@ -19,59 +18,17 @@ from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.cells.subdivision import proved_blocked
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.problem.choices import CONTACTS, SEARCHES
-from jaxsusp.problem.fitness import FitnessTerms, fitness_terms, waypoint_stability
+from jaxsusp.problem.fitness import FitnessTerms
 from jaxsusp.problem.flatbatch import one_flat_batch
 from jaxsusp.problem.given import bounds_of, held, require_fitness
 from jaxsusp.problem.search import Regions, keep_inside, pad_regions, regions_of
 from jaxsusp.problem.starts import Starts, starts_of
-from jaxsusp.problem.twin import twin_fitness
+from jaxsusp.problem.suspension import Suspension, nearby_in, with_common_lists
 from jaxsusp.scenario.ownunits import UNCHANGED, Frame
 from jaxsusp.scenario.scenario import Named, Scenario, load_scenario
 from jaxsusp.scenario.scope import require_rule
-from jaxsusp.scenario.world import World, build_world, cast_world, lowest
+from jaxsusp.scenario.world import World, build_world, lowest
 from jaxsusp.vec3 import Vec3
-
-
-@jax.tree_util.register_dataclass
-@dataclass(frozen=True, eq=False)  # compared and hashed by identity, so that jit accepts it
-class Suspension:
-    """Fitness of the suspended load (Eq. 21) as a callable pytree: world in, structure static."""
-
-    world: World
-    samples: int = field(metadata={"static": True})
-    with_stability: bool = field(metadata={"static": True})
-    drive: str = field(default="cable", metadata={"static": True})
-    with_cables: bool = field(default=True, metadata={"static": True})
-    contacts: str = field(default=CONTACTS[0], metadata={"static": True})
-
-    def terms(self, x: Float[Array, "dim *batch"]) -> FitnessTerms:
-        """All terms of Eq. 21 in the dtype of x; trailing axes of x are batch."""
-        return fitness_terms(cast_world(self.world, x.dtype), x, *self._structure)
-
-    def __call__(self, x: Float[Array, "dim"]) -> Float[Array, ""]:
-        """Total fitness of one decision vector."""
-        return self.terms(x).total
-
-    def population(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop"]:
-        """Total fitness of many decision vectors, candidates in the last axis of all arithmetic."""
-        return _population_fitness(self, x)
-
-    def twin(self, x: Float[Array, "pop dim"], band) -> Float[Array, "pop"]:
-        """The fitness of many decision vectors with depths in place of counts, see `twin`."""
-        return twin_fitness(cast_world(self.world, x.dtype), x.T, *self._structure, band)
-
-    def stability(self, x: Float[Array, "pop dim"]) -> Float[Array, "pop waypoints"]:
-        """S_c of every waypoint of every candidate (Eq. 18)."""
-        return waypoint_stability(cast_world(self.world, x.dtype), x.T, self.drive).T
-
-    @property
-    def _structure(self) -> tuple[int, bool, str, bool, str]:
-        return self.samples, self.with_stability, self.drive, self.with_cables, self.contacts
-
-
-@jax.jit  # inside the outer program: an optimiser evaluates several times and traces this once
-def _flat_fitness(suspension: Suspension, x: Array) -> Array:
-    return suspension.terms(x.T).total
 
 
 @jax.jit
@@ -81,7 +38,6 @@ def _flat_repair(regions: Regions, x: Array) -> Array:
     return jnp.stack(inside, axis=1).reshape(-1, len(x)).T
 
 
-_population_fitness = one_flat_batch(_flat_fitness)
 _population_repair = one_flat_batch(_flat_repair)
 
 
@@ -182,7 +138,14 @@ class Problem:
             with_stability = scenario.limits.stability > 0
         line = np.linspace(scenario.task.start, scenario.task.goal, waypoints + 2)[1:-1]
         return cls(
-            Suspension(world, samples, with_stability, scenario.drive, contacts=contacts),
+            Suspension(
+                world,
+                samples,
+                with_stability,
+                scenario.drive,
+                contacts=contacts,
+                nearby=nearby_in(world, scenario.drive),
+            ),
             np.tile(np.asarray(lowest(scenario), dtype), waypoints),
             np.tile(np.asarray(scenario.workspace.upper, dtype), waypoints),
             line.reshape(-1),
@@ -315,11 +278,21 @@ def stack_problems(problems: Sequence[Problem]) -> Problem:
 
     They are of equal static shape but for their regions, which are padded to common counts.
     """
+    problems = _alike(problems)
     shapes = [each.regions.table.shape for each in problems if each.regions is not None]
     if shapes:
         count, rows, _ = np.max(shapes, axis=0).tolist()
         problems = [each.with_padded_regions(count, rows) for each in problems]
     return jax.tree.map(lambda *leaves: np.stack(leaves), *problems)
+
+
+def _alike(problems: Sequence[Problem]) -> Sequence[Problem]:
+    """Problems whose fitness is of one structure: lists of obstacles of one length, or none."""
+    fitness = [each.fitness for each in problems]
+    if not any(isinstance(each, Suspension) and each.nearby for each in fitness):
+        return problems
+    pairs = zip(problems, with_common_lists(fitness), strict=True)  # type: ignore[arg-type]
+    return [each.with_fitness(alike) for each, alike in pairs]
 
 
 def _confine(

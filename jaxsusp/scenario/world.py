@@ -7,7 +7,7 @@ all. Host code builds it in float64; the fitness casts it to the dtype of its ar
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -194,12 +194,12 @@ def lowest(scenario: Statement) -> tuple[float, float, float]:
     return x, y, z
 
 
-def cast_world(world: World, dtype) -> World:
-    """The same world with every floating leaf in `dtype`."""
+def cast_world(world: Any, dtype) -> Any:
+    """The same world, or other arrays of a scenario, with every floating leaf in `dtype`."""
 
     def cast(leaf):
         leaf = jnp.asarray(leaf) if isinstance(leaf, jax.Array) else np.asarray(leaf)
-        return leaf if leaf.dtype == bool else jnp.asarray(leaf, dtype)
+        return jnp.asarray(leaf, dtype) if jnp.issubdtype(leaf.dtype, jnp.floating) else leaf
 
     return jax.tree.map(cast, world)
 

@@ -18,7 +18,8 @@ from jaxsusp.optim.base import Best, Optimizer
 from jaxsusp.optim.batch import ONCE
 from jaxsusp.optim.loop import advance, begin, run_key
 from jaxsusp.problem.flatbatch import one_flat_batch
-from jaxsusp.problem.problem import Problem, Suspension
+from jaxsusp.problem.problem import Problem
+from jaxsusp.problem.suspension import Suspension
 
 
 @jax.jit

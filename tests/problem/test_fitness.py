@@ -10,7 +10,7 @@ from padded import problem_of, terms
 
 import jaxsusp as js
 from jaxsusp.problem import fitness
-from jaxsusp.problem.problem import Suspension
+from jaxsusp.problem.suspension import Suspension
 from jaxsusp.vec3 import Vec3
 
 trajectory = jax.jit(fitness.trajectory, static_argnums=2)

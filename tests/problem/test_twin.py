@@ -10,7 +10,7 @@ from padded import problem_of
 
 import jaxsusp as js
 from jaxsusp.problem.hardturns import gently
-from jaxsusp.problem.problem import Suspension
+from jaxsusp.problem.suspension import Suspension
 
 QUICKLY = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
 """To compile what runs for milliseconds."""
