@@ -42,6 +42,9 @@ TARGETS = 5
 CANDIDATES = 4
 """Seeds that are tried per further region; the one that adds most coverage is kept."""
 
+WORTH = 0.5
+"""Share of the best one's gain for which others of these seeds are kept too, of many bodies."""
+
 FINER = {"coverage": 0.99, "limit": 400}
 """Settings of `free_space` for regions that look into smaller corners."""
 
@@ -292,10 +295,19 @@ class _Builder:
             hopeless[[i for region, i in grown if region is None]] = True
             found = [region for region, _ in grown if region is not None]
             gains = [~covered & (region.polytope.excess(samples) <= 0) for region in found]
-            if found:
-                best = int(np.argmax([gain.sum() for gain in gains]))
-                covered |= gains[best]
-                self._add(found[best], covered.mean().item())
+            self._keep(found, gains, covered)
+
+    def _keep(self, found: list[Region], gains: list[np.ndarray], covered: np.ndarray) -> None:
+        """Add the region that covers most, and of many bodies others that still cover much."""
+        least = 0.0
+        while found and not self._full:
+            sums = [(gain & ~covered).sum() for gain in gains]
+            best = int(np.argmax(sums))
+            if sums[best] < least:
+                return
+            least = least or (WORTH * sums[best] if self.bodies.many else np.inf)
+            covered |= gains.pop(best)
+            self._add(found.pop(best), covered.mean().item())
 
     def _targets(self, samples: Points) -> Iterator[Point]:
         """Intermediate targets on the start–goal line, moved to the nearest free sample."""

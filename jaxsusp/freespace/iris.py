@@ -9,6 +9,7 @@ corner of its body, and a body that gets no plane of its own is left out only on
 """
 
 import heapq
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -28,6 +29,10 @@ LEAST_GROWTH, LEAST_RELATIVE_GROWTH = 0.02, 1e-3
 GAP = 1e-9
 """m between a separating plane and the body it keeps out."""
 
+MANY = 400
+"""Bodies up to which each is looked at for every plane and every ellipsoid; of more, those that
+are far away are told by balls around them."""
+
 
 class Region(NamedTuple):
     """A polytope that meets no body, and the largest ellipsoid in it."""
@@ -44,6 +49,17 @@ class Bodies:
         self.corners: Points = np.concatenate([np.empty((0, 3)), *(b.corners for b in bodies)])
         counts = [len(body.corners) for body in bodies]
         self._first = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(int) if counts else []
+        self._stop = np.cumsum(counts, dtype=int)
+        self.many = len(self.bodies) > MANY
+        if self.many:  # balls around them
+            pairs = [(b.corners.min(axis=0), b.corners.max(axis=0)) for b in self.bodies]
+            self._middle = np.array([(low + high) / 2 for low, high in pairs])
+            self._radius = np.array(
+                [
+                    np.linalg.norm(b.corners - middle, axis=1).max() + GAP
+                    for b, middle in zip(self.bodies, self._middle, strict=True)
+                ]
+            )
 
     def __len__(self) -> int:
         return len(self.bodies)
@@ -52,9 +68,38 @@ class Bodies:
         """The least of one value per corner, per body."""
         return np.minimum.reduceat(values, self._first) if len(self) else np.empty(0)
 
-    def beyond(self, normal: Point, offset: float) -> Bool[np.ndarray, " bodies"]:
-        """Which bodies lie wholly beyond the plane normal · x = offset."""
-        return self.least(self.corners @ normal) > offset
+    def beyond(
+        self, normal: Point, offset: float, known: Bool[np.ndarray, " bodies"] | None = None
+    ) -> Bool[np.ndarray, " bodies"]:
+        """Which bodies lie wholly beyond the plane normal · x = offset, or are known to do so.
+
+        Where they are many, balls around them decide for most.
+        """
+        known = np.zeros(len(self), bool) if known is None else known
+        if not self.many:
+            return known | (self.least(self.corners @ normal) > offset)
+        height = self._middle @ normal
+        found = known | (height - self._radius > offset)
+        open_ = np.flatnonzero(~found & (height + self._radius > offset))
+        if len(open_):
+            first, count = self._first[open_], self._stop[open_] - self._first[open_]
+            begin = np.cumsum(count) - count
+            rows = np.arange(count.sum()) + np.repeat(first - begin, count)
+            found[open_] = np.minimum.reduceat(self.corners[rows] @ normal, begin) > offset
+        return found
+
+    def bounds(self, center: Point, to_ball: np.ndarray) -> Float[np.ndarray, " bodies"]:
+        """Lower bounds on the distances from a place in a metric, by balls around the bodies."""
+        stretch = float(np.linalg.norm(to_ball, 2))
+        away = np.linalg.norm((self._middle - center) @ to_ball.T, axis=1)
+        return np.maximum(away - stretch * self._radius, 0)
+
+    def around(self, point: Point) -> Sequence[Body]:
+        """Those that may hold a point."""
+        if not self.many:
+            return self.bodies
+        near = ((self._middle - point) ** 2).sum(axis=1) <= (self._radius + GAP) ** 2
+        return [self.bodies[i] for i in np.flatnonzero(near)]
 
     def holding(self, points: Float[np.ndarray, "*batch 3"]) -> Bool[np.ndarray, "*batch"]:
         """Which points lie in any body."""
@@ -118,8 +163,12 @@ def separate(bodies: Bodies, domain: HalfSpaces, ellipsoid: Ellipsoid) -> HalfSp
     polytope = domain
     cleared = np.zeros(len(bodies), bool)
     for normal, offset in zip(domain.A, domain.b, strict=True):
-        cleared |= bodies.beyond(normal, offset)
-    bounds = _least_distances(bodies, (bodies.corners - ellipsoid.d) @ to_ball.T)
+        cleared = bodies.beyond(normal, offset, cleared)
+    if bodies.many:
+        bounds, rough = bodies.bounds(ellipsoid.d, to_ball), ~cleared
+    else:
+        bounds = _least_distances(bodies, (bodies.corners - ellipsoid.d) @ to_ball.T)
+        rough = np.zeros(len(bodies), bool)
     queue: list[tuple[float, int, Point | None]] = [
         (bound, i, None) for i, bound in enumerate(bounds.tolist())
     ]
@@ -128,13 +177,17 @@ def separate(bodies: Bodies, domain: HalfSpaces, ellipsoid: Ellipsoid) -> HalfSp
         bound, i, tangent = heapq.heappop(queue)
         if cleared[i]:
             continue
-        if tangent is None:
+        if rough[i]:  # a closer bound for this one
+            closer = _least_distance((bodies.bodies[i].corners - ellipsoid.d) @ to_ball.T)
+            heapq.heappush(queue, (max(bound, closer), i, None))
+            rough[i] = False
+        elif tangent is None:
             distance, tangent = _tangent(bodies.bodies[i], ellipsoid, to_ball, bound)
             heapq.heappush(queue, (distance, i, tangent))
         elif not proved_apart(polytope, bodies.bodies[i]):
             offset = (bodies.bodies[i].corners @ tangent).min() - GAP
             polytope &= HalfSpaces(tangent[None], np.array([offset]))
-            cleared |= bodies.beyond(tangent, offset)
+            cleared = bodies.beyond(tangent, offset, cleared)
     return polytope
 
 
@@ -165,6 +218,14 @@ def _least_distances(bodies: Bodies, corners: Points) -> Float[np.ndarray, " bod
     return np.maximum(bodies.least((corners * line[owner]).sum(axis=1)), 0)
 
 
+def _least_distance(corners: Points) -> float:
+    """The same of one body."""
+    squares = (corners**2).sum(axis=1)
+    nearest = corners[squares.argmin()]
+    length = math.sqrt(nearest @ nearest)
+    return max(float((corners @ nearest).min()) / length, 0.0) if length > 0 else 0.0
+
+
 def _tangent(
     body: Body, ellipsoid: Ellipsoid, to_ball: np.ndarray, bound: float
 ) -> tuple[float, Point]:
@@ -184,6 +245,6 @@ def _require_free(bodies: Bodies, domain: HalfSpaces, seed: Point) -> None:
     given = f"seed = {seed.round(6).tolist()}"
     if not np.isfinite(seed).all() or domain.excess(seed) > GAP:
         raise InputError(f"{given} is outside the domain; choose a seed inside")
-    for body in bodies.bodies:
+    for body in bodies.around(seed):
         if body.faces.excess(seed) <= GAP:
             raise InputError(f"{given} is in {body.name}; choose a seed in the free space")

@@ -15,6 +15,9 @@ GRAZE = 1e-3
 
 _STEP = 1e-9
 
+_MANY = 400
+"""Members up to which each is looked at for every segment; of more, those about the segments."""
+
 _BLOCK = 2**14
 """Numbers in a block of work: larger arrays cost more in fresh memory than in arithmetic."""
 
@@ -53,6 +56,11 @@ class Polyhedra:
         Most are beyond one face of a member with both ends, which is quickly told; only the others
         are cut.
         """
+        if len(self.members) > _MANY and len(one):
+            return self._beside(np.concatenate([one, two]))._met(one, two)
+        return self._met(one, two)
+
+    def _met(self, one: Points, two: Points) -> Bool[np.ndarray, " segments"]:
         met = np.zeros(len(one), bool)
         if not self.members or not len(one):
             return met
@@ -66,6 +74,16 @@ class Polyhedra:
             low, high = _cut(self._A[faces], self._b[faces], one[rows], two[rows])
             met[rows] = low.max(axis=-1) < high.min(axis=-1)
         return met
+
+    def _beside(self, points: Points) -> "Polyhedra":
+        """Those that have no face which the box around some points is beyond."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        nearest = self._A @ ((low + high) / 2) - np.abs(self._A) @ ((high - low) / 2)
+        beyond = np.logical_or.reduceat(nearest > self._b, self._first)
+        faces = [
+            slice(self._first[member], self._stop[member]) for member in np.flatnonzero(~beyond)
+        ]
+        return Polyhedra([HalfSpaces(self._A[rows], self._b[rows]) for rows in faces])
 
     def _near(self, one: Points, two: Points) -> Bool[np.ndarray, "segments members"]:
         """Which members have no face that both ends of a segment are beyond."""

@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from jaxsusp.errors import InputError, require, require_count
 from jaxsusp.freespace.graph import RegionGraph
+from jaxsusp.freespace.iris import MANY
 from jaxsusp.freespace.orientation import NO_TURN, Turn
 from jaxsusp.freespace.polyhedra import HalfSpaces, Point, Points, nearest_point
 from jaxsusp.freespace.polylines import GRAZE, Polyhedra, distinct, length
@@ -38,6 +39,9 @@ FEW = 60
 
 PAIRED = 16
 """Crossings far apart by way of every two of which a way is looked at."""
+
+DRAFTS = 16
+"""Distinct ways that are pulled taut at most among more than `iris.MANY` bodies."""
 
 _PULLS = 6
 
@@ -115,7 +119,8 @@ class WaySearch:
         """Distinct taut ways by length."""
         if (few := self._sequences()) is None:
             drafts = sorted(map(self._pulled, self._drafts()), key=length)
-            taut = [self._taut(line) for line in distinct(self.solid, drafts)]
+            most = DRAFTS if len(self.bodies) > MANY else None
+            taut = [self._taut(line) for line in islice(distinct(self.solid, drafts), most)]
         else:
             taut = [self._shortest(sequence) for sequence in few]
         taut.sort(key=length)
