@@ -188,7 +188,8 @@ def _require_sense(scenario: Scenario, settings: Settings) -> None:
     require(
         given or not moves or len(scenario.robots) <= MOST_LED,
         f'ends = "placed" leads the moving ends of at most {MOST_LED} robots, got '
-        f'{len(scenario.robots)}; give ends = "given"',
+        f"{len(scenario.robots)}: tensions couple the cables, and fans of 9 ends each are "
+        f'9^{len(scenario.robots)} choices a step; give ends = "given"',
     )
 
 

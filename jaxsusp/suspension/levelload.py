@@ -10,6 +10,7 @@ from jaxsusp._types import Array, Float
 from jaxsusp.geometry.cables import attachment, cable_lengths, cable_vectors
 from jaxsusp.mechanics.drives import Anchors, bases_along, ends_along, moving
 from jaxsusp.mechanics.posture.levelling import level_ends
+from jaxsusp.mechanics.posture.rolling import rolled_level_ends, upward_shares
 from jaxsusp.mechanics.posture.tilting import estimated_turn
 from jaxsusp.mechanics.stability import stability, stability_factors
 from jaxsusp.mechanics.statics import GRAVITY, force_tensions, weight
@@ -26,10 +27,15 @@ def ends_at(world: World, position: Vec3, drive: str) -> Vec3:
     """Ends P_k (m) at load positions of any shape, by the plain rule of the drive mode.
 
     Where ends move, those of separate attachments are moved on until they hold the load level,
-    see `mechanics.posture.levelling`.
+    see `mechanics.posture.levelling`; bases that roll do so as `mechanics.posture.rolling` says.
     """
     bodies = world.bodies
-    ends = ends_along(drive, position, Anchors(world.start, bodies.attachments, bodies.ends))
+    anchors = Anchors(world.start, bodies.attachments, bodies.ends)
+    if drive == "base" and bodies.attachments.x.shape[0] > 1:
+        rows, center = bodies.attachments.to_array(), world.center_of_mass
+        shares = upward_shares(rows, center.to_array())
+        return rolled_level_ends(position, anchors, shares, center)
+    ends = ends_along(drive, position, anchors)
     if not moving(drive) or bodies.attachments.x.shape[0] == 1:
         return ends
     lower = [position + attachment(bodies.attachments, k) for k in range(world.cables)]

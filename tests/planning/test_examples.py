@@ -74,8 +74,9 @@ def test_more_robots_are_compared_like_three():
 @pytest.mark.fast
 def test_what_no_rule_moves_says_why():
     rim = js.load_scenario("rim")
-    with pytest.raises(js.InputError, match="bases that roll cannot keep the load level"):
-        js.Problem.from_scenario(rim.model_copy(update={"drive": "base"}))
+    beside = rim.payload.model_copy(update={"center_of_mass": (0.2, 0.0, 0.0)})
+    with pytest.raises(js.InputError, match=r"the cable of robots\[\d\] would have to push"):
+        js.Problem.from_scenario(rim.model_copy(update={"drive": "base", "payload": beside}))
     four = js.load_scenario("four-robots")
     separate = four.payload.model_copy(update={"attachments": RING})
     led = four.model_copy(update={"payload": separate, "drive": "hybrid"})

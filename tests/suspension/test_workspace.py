@@ -111,6 +111,8 @@ def test_bad_requests_are_refused():
             js.workspace(scenario, spacing)
     with pytest.raises(js.InputError, match=r"too many cells; give 0\.037 or more"):
         js.workspace(scenario, 0.001)
-    rim = js.load_scenario("rim").model_copy(update={"drive": "base"})
-    with pytest.raises(js.InputError, match="bases that roll cannot keep the load level"):
-        js.workspace(rim)
+    rim = js.load_scenario("rim")
+    steps = [(*at[:2], 0.1 + 0.01 * k) for k, at in enumerate(rim.payload.attachments)]
+    uneven = rim.payload.model_copy(update={"attachments": tuple(steps)})
+    with pytest.raises(js.InputError, match="give all of them one height"):
+        js.workspace(rim.model_copy(update={"drive": "base", "payload": uneven}))
