@@ -17,7 +17,7 @@ from jaxsusp.errors import InputError, require, require_count, require_seed
 from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.cells.doorstep import opened
 from jaxsusp.freespace.ellipsoid import SOLVER, require_solver
-from jaxsusp.freespace.graph import RegionGraph
+from jaxsusp.freespace.graph import RegionGraph, worth_keeping
 from jaxsusp.freespace.iris import Bodies, Region, iris, proved_apart
 from jaxsusp.freespace.orientation import (
     turn_of,
@@ -294,20 +294,11 @@ class _Builder:
             grown = [(self._grow(samples[i]), i) for i in tried]
             hopeless[[i for region, i in grown if region is None]] = True
             found = [region for region, _ in grown if region is not None]
-            gains = [~covered & (region.polytope.excess(samples) <= 0) for region in found]
-            self._keep(found, gains, covered)
-
-    def _keep(self, found: list[Region], gains: list[np.ndarray], covered: np.ndarray) -> None:
-        """Add the region that covers most, and of many bodies others that still cover much."""
-        least = 0.0
-        while found and not self._full:
-            sums = [(gain & ~covered).sum() for gain in gains]
-            best = int(np.argmax(sums))
-            if sums[best] < least:
-                return
-            least = least or (WORTH * sums[best] if self.bodies.many else np.inf)
-            covered |= gains.pop(best)
-            self._add(found.pop(best), covered.mean().item())
+            share = WORTH if self.bodies.many else np.inf
+            for region in worth_keeping(found, samples, covered, share):
+                self._add(region, covered.mean().item())
+                if self._full:
+                    return
 
     def _targets(self, samples: Points) -> Iterator[Point]:
         """Intermediate targets on the start–goal line, moved to the nearest free sample."""

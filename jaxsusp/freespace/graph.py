@@ -1,6 +1,6 @@
 """Which regions meet, the way through them from start to goal, and the shortest polyline on it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -152,6 +152,25 @@ _TOUCH = 1e-9
 _ROOM = 1e-6
 """Radius (m) of a ball that two regions must share to count as intersecting: what is thinner is
 below the tolerances of solvers, and of any crane."""
+
+
+def worth_keeping(
+    found: Sequence[Region], samples: Points, covered: np.ndarray, share: float
+) -> Iterator[Region]:
+    """The region that covers most more samples, and others that add at least a share of that.
+
+    Updates `covered` before it hands one on.
+    """
+    gains = {i: region.polytope.excess(samples) <= 0 for i, region in enumerate(found)}
+    least = 0.0
+    while gains:
+        sums = {i: int((gain & ~covered).sum()) for i, gain in gains.items()}
+        best = max(sums, key=sums.__getitem__)
+        if sums[best] < least:
+            return
+        least = least or share * max(sums[best], 1)
+        covered |= gains.pop(best)
+        yield found[best]
 
 
 def _meet(one: Region, two: Region) -> bool:
