@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import jaxsusp as js
 from experiments.artefacts import Artefacts
-from experiments.changes import Change, clear_change, fitness_change
+from experiments.changes import Change, clear_change, fitness_change, found_nothing
 from experiments.contents import Page, Work
 from experiments.ends import ends, telling
 from experiments.studies import budgets
@@ -280,4 +280,5 @@ def findings(ds: xr.Dataset, changes: Changes) -> str:
         "were measured while the machine had other work: whether a run in the free space takes "
         "longer than one in the box they do not tell."
     )
-    return " ".join(said)
+    said.append(found_nothing(ds))
+    return " ".join(said).strip()
