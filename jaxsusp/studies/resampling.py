@@ -51,7 +51,7 @@ def crossed_interval(
         return np.nanquantile(means, [(1 - level) / 2, (1 + level) / 2], axis=0)
 
 
-def mean_of(values: Float[np.ndarray, "scenes runs"]) -> float:
+def mean_of(values: Float[np.ndarray, "..."]) -> float:
     """The mean of those that are finite; NaN where none is."""
     there = values[np.isfinite(values)]
     return float(there.mean()) if there.size else np.nan
