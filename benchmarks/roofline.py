@@ -14,7 +14,7 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from benchmarks.timing import least_seconds
-from jaxsusp.problem.problem import Problem
+from jaxsusp.problem.problem import Problem, Suspension
 
 _MATRIX, _VECTOR, _TURNS = 1024, 2**14, 2000
 
@@ -64,7 +64,7 @@ def work_of(problem: Problem, candidates: int) -> Work:
     XLA counts the body of a loop once, however often it turns. The loops of the fitness go over
     the obstacles, kind by kind: what another turn of one takes is found by writing two of them out.
     """
-    assert problem.fitness is not None
+    assert isinstance(problem.fitness, Suspension)
     turns = [*filter(None, problem.fitness.world.obstacles.counts)]
 
     def written_out(twice: int | None = None) -> np.ndarray:
