@@ -44,12 +44,13 @@ class Tree(NamedTuple):
         return json.loads(done.stdout.splitlines()[-1])
 
     def _environment(self) -> dict[str, str]:
-        kept = {
+        return os.environ | {
+            "PYTHONPATH": str(self.folder),
+            "JAX_NUM_CPU_DEVICES": str(cores()),
             "JAXSUSP_CACHE": str(self.kept),
             "JAX_COMPILATION_CACHE_DIR": str(self.kept / "jax"),
+            "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
         }
-        kept["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0"
-        return os.environ | kept | {"PYTHONPATH": str(self.folder)}
 
 
 def tree(asked: str, scratch: Path) -> Tree:

@@ -58,6 +58,14 @@ Named = Annotated[
         autocompletion=scenario_names,
     ),
 ]
+NamedMany = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="SCENARIO...",
+        help="A built-in name or a TOML file; or several.",
+        autocompletion=scenario_names,
+    ),
+]
 Runs = Annotated[int, count("Independent runs.")]
 Iterations = Annotated[int, count("Iterations per run.")]
 Population = Annotated[int, count("Candidates per iteration.")]
