@@ -13,6 +13,7 @@ from jaxsusp.cli.completion import algorithm_names, one_of
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
+    Device,
     Iterations,
     Json,
     NamedMany,
@@ -28,10 +29,13 @@ from jaxsusp.cli.options import (
     TlsKey,
     Waypoints,
     Workers,
+    configured,
     count,
     flag,
     require_choices,
+    require_own_device,
 )
+from jaxsusp.cli.records import as_record
 from jaxsusp.cluster.choices import Place
 from jaxsusp.errors import InputError, require_known
 from jaxsusp.optim.choices import require_algorithm
@@ -100,6 +104,7 @@ def plan(
     tls_ca: TlsCa = None,
     tls_cert: TlsCert = None,
     tls_key: TlsKey = None,
+    device: Device = None,
     resume: Annotated[
         bool, flag("--resume", "Of several scenarios: go on from what is in the output folder.")
     ] = False,
@@ -118,6 +123,7 @@ def plan(
     takes = _duration(duration)
     place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
     place.require_sense()
+    require_own_device(device, place)
     settings = {
         "algorithm": algorithm, "ends": ends, "runs": runs, "iterations": iterations,
         "retries": retries, "seed": seed, "population": population, "waypoints": waypoints,
@@ -126,25 +132,25 @@ def plan(
     }  # fmt: skip
     if len(scenarios) > 1 or resume or not place.here:
         from jaxsusp.cli.commands.plans import plan_several
-        from jaxsusp.optim import devices
 
-        devices.configure()
+        configured(device)
         plan_several(scenarios, output, place, resume, as_json, **settings)
     else:
-        _plan_one(scenarios[0], output, as_json, settings)
+        _plan_one(scenarios[0], output, as_json, device, settings)
 
 
-def _plan_one(scenario: str, output: Path, as_json: bool, settings: dict[str, Any]) -> None:
+def _plan_one(
+    scenario: str, output: Path, as_json: bool, device: str | None, settings: dict[str, Any]
+) -> None:
     """One task, with everything that is written and said about a plan."""
     from rich.console import Console
 
     from jaxsusp.comparison.bestknown import best_known
-    from jaxsusp.optim import devices
     from jaxsusp.planning import planner
     from jaxsusp.planning.feasibility import ImpossibleTaskError
     from jaxsusp.report.plan.folder import write_plan
 
-    devices.configure()
+    configured(device)
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
     task, seen = _plannable(scenario), set()
@@ -209,27 +215,6 @@ def _plannable(named: str) -> "Scenario":
             *lines, f"`jaxsusp check {quote(named)}` draws what blocks it, and what is free"
         )
     return task
-
-
-def as_record(plan: "Plan", files: list[Path]) -> dict[str, Any]:
-    """A plan's outcome as plain values for machines."""
-    from jaxsusp.planning.document import plain
-
-    return {
-        "scenario": plan.scenario.name,
-        "feasible": plan.feasible,
-        "certified": plan.certificate.proved,
-        "reasons": list(plan.reasons),
-        "clearance_m": plain(plan.clearance),
-        "ends_m": plan.ends.tolist(),
-        "report": [
-            {**plain(each._asdict()), "margin": plain(each.margin), "ok": each.ok}
-            for each in plan.report
-        ],
-        "duration_s": plan.law.duration,
-        "settings": plain(dict(plan.settings)),
-        "files": [str(file) for file in files],
-    }
 
 
 def _show(plan: "Plan", best: float | None) -> None:

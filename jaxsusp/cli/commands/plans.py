@@ -93,7 +93,7 @@ def _tell(found: "Sequence[Planned]", output: Path, as_json: bool) -> None:
 
 
 def _record(each: "Planned") -> dict[str, Any]:
-    from jaxsusp.cli.commands.plan import as_record
+    from jaxsusp.cli.records import as_record
 
     seconds = {"seconds": each.seconds}
     if each.plan is None:
