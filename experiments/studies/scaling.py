@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -155,7 +156,9 @@ def draw(artefacts: Artefacts) -> Page:
             curves(frame), {axis: law[1] for axis, law in laws.items()}
         ),
     }
-    tables = {"scaling": law_table(frame, laws), "scaling-hands": hands_table(frame)}
+    tables = {"scaling": law_table(frame, laws)}
+    if len(hands := hands_table(frame)):
+        tables["scaling-hands"] = hands
     return Page(figures, tables, findings(frame, laws))
 
 
@@ -222,6 +225,8 @@ def interval(law: Law) -> str:
     """An exponent with its interval."""
     if not law.grows:
         return "does not grow"
+    if not math.isfinite(law.low):  # two points leave nothing to judge by
+        return f"{law.exponent:.2f}"
     return f"{law.exponent:.2f} ({law.low:.2f} to {law.high:.2f})"
 
 
@@ -299,9 +304,25 @@ def findings(frame: pd.DataFrame, laws: dict[str, tuple[Law, Law]]) -> str:
         + (f"; it does not grow with {listed(flat)}." if flat else "."),
         *bends,
         *over,
+        chunks(parts, settings["chunk"]),
         f"Memory grows with {listed(grown)}"
         + (f"; it stays within 20 % with {listed(still)}." if still else "."),
         hands(frame),
+    )
+
+
+def chunks(parts: dict[str, pd.DataFrame], chunk: int) -> str:
+    """What the same runs cost chunk by chunk, as a comparison computes them."""
+    if not {"runs", "runs in chunks"} <= parts.keys():
+        return ""
+    beside = parts["runs"].merge(parts["runs in chunks"], on="size", suffixes=("", "_cut"))
+    if beside.empty:
+        return ""
+    most = beside.loc[beside["size"].idxmax()]
+    return (
+        f"{int(most['size']):,} runs in chunks of {chunk}, as a comparison computes them, take "
+        f"{most['seconds_cut'] / most['seconds']:.2f} times as long as in one batch, and "
+        f"{most['memory_cut'] / MIB:.0f} instead of {most['memory'] / MIB:.0f} MiB."
     )
 
 
