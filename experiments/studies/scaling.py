@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import os
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -77,11 +78,12 @@ def make(settings: Settings, work: Work) -> None:
     """A process for every point, one after the other; what is finished is kept."""
     folder = Path(work.folder)
     folder.mkdir(parents=True, exist_ok=True)
+    machine = cores(), last_cache(), round(os.getloadavg()[0], 1)
     rows, points = [], settings.points()
     for number, (axis, size, parts) in enumerate(points, 1):
         work.told(f"  {number} of {len(points)}: {axis} {size}")
         rows.append(row_of(axis, size, parts, settings, folder))
-    work.artefacts.keep("scaling", pd.DataFrame(rows), Kept(*settings, cores(), last_cache()))
+    work.artefacts.keep("scaling", pd.DataFrame(rows), Kept(*settings, *machine))
 
 
 class Kept(NamedTuple):
@@ -101,6 +103,7 @@ class Kept(NamedTuple):
     repeats: int
     cores: int
     cache: int  # bytes of the last level, 0 where it is not known
+    load: float  # of the machine before it began
 
 
 def last_cache() -> int:
@@ -216,9 +219,16 @@ def law_table(frame: pd.DataFrame, laws: dict[str, tuple[Law, Law]]) -> pd.DataF
         f"medians of up to {settings['repeats']} calls in a process of its own, compiled before. "
         "Exponents: fixed part + factor × sizeᵖ by least squares of logarithms, the fixed part "
         "only where an F test asks for it, with 95 % intervals. It bends where the fixed part is "
-        "half. Memory is all of the process at its greatest while it computes."
+        "half. Memory is all of the process at its greatest while it computes. "
+        f"{settings['cores']} cores, load of the machine before it began: {settings['load']:.1f}"
+        + (", too much for times to be worth anything." if busy(settings) else ".")
     )
     return table
+
+
+def busy(settings: dict[str, Any]) -> bool:
+    """Whether the machine had other work when this was measured."""
+    return settings["load"] > settings["cores"] / 2
 
 
 def interval(law: Law) -> str:

@@ -25,7 +25,7 @@ def frame(axis: str, sizes, seconds, memory=1e9) -> pd.DataFrame:
             "most": seconds, "memory": memory,
         }
     )  # fmt: skip
-    made.attrs["settings"] = study.FULL._asdict() | {"cores": 2, "cache": 2**25}
+    made.attrs["settings"] = study.FULL._asdict() | {"cores": 2, "cache": 2**25, "load": 0.1}
     return made
 
 
