@@ -252,13 +252,14 @@ def hands_table(frame: pd.DataFrame) -> pd.DataFrame:
     for axis in ("devices", "workers"):
         part = frame[frame["axis"] == axis]
         for _, row in part.iterrows():
+            first = row["size"] == part["size"].iloc[0]
             rows.append(
                 {
                     "who": said(axis, int(row["size"])),
                     "seconds": row["seconds"],
                     "times": part["seconds"].iloc[0] / row["seconds"],
-                    "least": part["least"].iloc[0] / row["most"],
-                    "most": part["most"].iloc[0] / row["least"],
+                    "least": 1.0 if first else part["least"].iloc[0] / row["most"],
+                    "most": 1.0 if first else part["most"].iloc[0] / row["least"],
                 }
             )
     table = pd.DataFrame(rows)

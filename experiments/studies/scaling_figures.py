@@ -43,7 +43,7 @@ def _figure(
     hands: pd.DataFrame | None = None,
 ) -> Figure:
     axes_of = [axis for axis in parts if axis != IN_CHUNKS]
-    extra = hands is not None and hands["axis"].isin(["devices", "workers"]).any()
+    extra = hands is not None and bool(hands["axis"].isin(["devices", "workers"]).any())
     count = len(axes_of) + extra
     drawing = picture(7.09, 2.2 * -(-count // 3) + 0.5)
     grid = panels(drawing, count)
