@@ -22,7 +22,7 @@ anything but 0, that nothing is kept."""
 KINDS = {"free-space": "free spaces", "compiled": "compiled programs"}
 """Folders, and what is in them."""
 
-_OURS = re.compile(r"[0-9a-f]{32}\.nc|jit_.*-(cache|atime)")
+_OURS = re.compile(r"[0-9a-f]{32}\.(nc|program)|jit_.*-(cache|atime)")
 """Names of files that are kept; nothing else is ever removed."""
 
 LIMIT = 2**30
