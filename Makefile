@@ -1,4 +1,4 @@
-# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · bench-peers · bbob · reference · docs · dist · check
+# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · bench-check · bench-peers · bbob · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -12,7 +12,7 @@ DOCS := .venv-docs
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench bench-peers bbob reference docs dist dist-check
+.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench bench-check bench-peers bbob reference docs dist dist-check
 .PHONY: check format clean
 
 help:
@@ -24,6 +24,7 @@ help:
 	@echo "make studies    run what these data come from; what is kept already stays (its estimate first)"
 	@echo "make notebooks  execute the notebooks and keep their outputs; make lab opens JupyterLab"
 	@echo "make bench      timings of the fitness, the optimisers, the whole comparison and the free space"
+	@echo "make bench-check AGAINST=main~10  this tree and another one in alternating runs of canaries"
 	@echo "make bench-peers  the optimisers beside other libraries' on one fitness (own environment)"
 	@echo "make bbob       the optimisers on COCO's 24 functions, beside published ones (environment of reference)"
 	@echo "make reference  tests against MuJoCo, pymoo, pyswarms, Drake, COCO (own environment)"
@@ -86,6 +87,12 @@ bench: setup $(REFERENCE)/.current
 	JAX_NUM_CPU_DEVICES=$(CORES) $(BIN)/python -m benchmarks
 	$(REFERENCE)/bin/python -m benchmarks.regions
 	$(BIN)/python -m benchmarks.crowd
+
+# Against a folder or a revision of git; by default what was committed last.
+AGAINST ?= HEAD
+
+bench-check: setup
+	$(BIN)/python -m benchmarks.check --against $(AGAINST)
 
 bench-peers: $(PEERS)/.current
 	$(PEERS)/bin/python -m benchmarks.peers

@@ -30,6 +30,7 @@ NAMES = (
     "studies.cable_check",
     "studies.difficulty",
     "studies.pace",
+    "studies.scaling",
     "claims.ledger",
 )
 """Modules of this folder; what stands later may read the data of what stands before it."""

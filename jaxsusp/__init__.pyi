@@ -85,6 +85,8 @@ from .planning.prospects.examination import Examination as Examination
 
 # plans
 from .planning.planner import plan as plan
+from .planning.many.scenes import plan_many as plan_many
+from .planning.many.kept import Planned as Planned
 from .planning.plan import Plan as Plan
 from .planning.loading import load_plan as load_plan
 from .planning.waypoints import plan_through as plan_through

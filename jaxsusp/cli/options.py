@@ -11,8 +11,9 @@ import typer
 
 from jaxsusp._files import require_folder
 from jaxsusp.cli.completion import one_of, scenario_names
+from jaxsusp.cluster.choices import Place
 from jaxsusp.errors import require, require_count, require_known, require_seed
-from jaxsusp.optim.choices import require_algorithm
+from jaxsusp.optim.choices import DEVICES, require_algorithm, require_device
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.scenario.builtin import find, read
 
@@ -58,6 +59,14 @@ Named = Annotated[
         autocompletion=scenario_names,
     ),
 ]
+NamedMany = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="SCENARIO...",
+        help="A built-in name or a TOML file; or several.",
+        autocompletion=scenario_names,
+    ),
+]
 Runs = Annotated[int, count("Independent runs.")]
 Iterations = Annotated[int, count("Iterations per run.")]
 Population = Annotated[int, count("Candidates per iteration.")]
@@ -93,11 +102,47 @@ TlsCert = Annotated[
 TlsKey = Annotated[
     Path | None, typer.Option("--tls-key", help="Its key, where the certificate is without.")
 ]
+Device = Annotated[
+    str | None,
+    typer.Option(
+        help='What searches run on: "gpu" or "cpu"; default: a GPU where JAX has one.',
+        callback=checked(lambda _, device: require_device(device)),
+        autocompletion=one_of(DEVICES),
+        show_default=False,
+    ),
+]
 Output = Annotated[
     Path, typer.Option(help="Folder for what is written.", callback=checked(require_folder))
 ]
 RESULTS = Path("results")
 Json = Annotated[bool, flag("--json", "Print JSON instead of tables.")]
+
+
+def require_own_device(device: str | None, place: Place) -> None:
+    """Refuse to choose devices for workers, which are other processes.
+
+    Raises:
+        InputError: both are asked for.
+    """
+    require(
+        device is None or place.here,
+        f'device = "{device}": is for this process; workers compute on what the JAX of each has: '
+        "leave device out, or set JAX_PLATFORMS where they are started",
+    )
+
+
+def configured(device: str | None) -> None:
+    """Start JAX, and say what computes where that is not clear of itself.
+
+    Raises:
+        InputError: there is no such device.
+    """
+    from jaxsusp.cli.application import note
+    from jaxsusp.optim import devices
+
+    devices.configure(device=device)
+    if device is not None or devices.accelerated():
+        note(f"computing on {devices.said()}")
 
 
 def names(field: str, listed: str) -> list[str]:

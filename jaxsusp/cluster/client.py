@@ -7,7 +7,7 @@ depends on who did it: whoever has other software is refused.
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent import futures
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -167,7 +167,7 @@ class Cluster:
                 f"this process, {_told(self.expected)}, and whatever module the work needs"
             )
 
-    def run(self, jobs: Sequence[Job]) -> Iterator[tuple[int, Any]]:
+    def run(self, jobs: Sequence[Job]) -> Generator[tuple[int, Any], None, None]:
         """Have jobs done; their numbers and what they returned, in the order they finish.
 
         When the caller stops asking, or is interrupted, the rest is cancelled on the cluster.

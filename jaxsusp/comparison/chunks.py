@@ -19,6 +19,7 @@ from jaxsusp.comparison.choices import CHUNK, CHUNKS, CURVE, LONG
 from jaxsusp.comparison.dataset import VARIABLES, thinned
 from jaxsusp.comparison.workunit import Unit
 from jaxsusp.errors import InputError
+from jaxsusp.problem.problem import Suspension
 
 if TYPE_CHECKING:
     from jaxsusp.cluster.client import Cluster
@@ -42,9 +43,35 @@ class Chunk(NamedTuple):
         return self.unit.cost(len(self.runs))
 
 
-def usual_size(runs: int) -> int:
-    """Runs of a chunk where nothing else is asked for."""
-    return max(CHUNK, -(-runs // CHUNKS))
+def usual_size(runs: int, units: Sequence[Unit] = (), free: int | None = None) -> int:
+    """Runs of a chunk where nothing else is asked for.
+
+    Args:
+        runs: of every unit.
+        units: whose chunks are to fit into the memory of the devices.
+        free: bytes that they have free (`optim.devices.free_memory`), of which half is used: a
+            GPU is the faster the more it has to do at a time. None: that of the machine, which is
+            kept low.
+    """
+    if free is None:
+        return max(CHUNK, -(-runs // CHUNKS))
+    most = max(map(bytes_of_run, units))
+    return max(1, min(runs, free // (2 * most)))
+
+
+ARRAYS = 16
+"""Numbers that a candidate takes per sample, and as many again for every cable, two and a half
+times what XLA says for a CPU: a GPU fuses less."""
+
+
+def bytes_of_run(unit: Unit) -> int:
+    """What a run takes of a device's memory while it computes, single precision."""
+    problem = unit.group.problems
+    assert isinstance(problem.fitness, Suspension)
+    cables = len(unit.group.scenarios[0].robots)
+    per_candidate = ARRAYS * (1 + cables) * problem.fitness.samples + 10 * problem.lower.shape[-1]
+    per_scenario = unit.population * per_candidate + unit.iterations
+    return 4 * len(unit.group.scenarios) * per_scenario
 
 
 def cut(unit: Unit, missing: Sequence[int], size: int, is_long: bool) -> list[Chunk]:

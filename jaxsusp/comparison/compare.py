@@ -28,6 +28,7 @@ from jaxsusp.errors import (
 )
 from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.choices import PUBLISHED
+from jaxsusp.optim.devices import free_memory
 from jaxsusp.optim.registry import algorithms as algorithms_of
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.scenario.builtin import scenarios as built_in
@@ -83,8 +84,8 @@ def compare(
         resume: go on from what is in `output`: only runs that are not finished are computed, and
             nothing finished is lost, so that runs or algorithms beyond those asked for stay in
             the dataset.
-        chunk: runs that are computed, and kept, at a time; default 250, or a two-hundredth of all.
-            It changes no number.
+        chunk: runs that are computed, and kept, at a time; default 250, or a two-hundredth of all,
+            on a GPU as many as half of its free memory holds. It changes no number.
         workers: who computes: None: this process; a number: so many processes of this machine; the
             address of a Dask scheduler, or its file; a `distributed.Client`; or a
             `jaxsusp.cluster.choices.Place`, with certificates.
@@ -147,12 +148,13 @@ def compare(
         },
         is_long(runs),
     )
-    size = usual_size(runs) if chunk is None else chunk
 
     def said(message: str) -> None:
         tell(Event("", "note", 0, 1, note=message))
 
     with store.claimed(resume), employed(workers, said) as cluster:
+        free = free_memory() if cluster is None else None  # a chunk is no worker's: theirs differs
+        size = usual_size(runs, units, free) if chunk is None else chunk
         finished = store.finished([group.names for group in groups]) if resume else []
         if budget == "time":
 

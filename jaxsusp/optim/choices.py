@@ -63,3 +63,16 @@ def require_algorithm(name: str, others: Iterable[str] = ()) -> None:
         raise InputError(
             f'algorithm = "{name}": {library} is not installed; {EXTRA} brings it (extra "peers")'
         )
+
+
+DEVICES = ("cpu", "gpu")
+"""What searches run on."""
+
+
+def require_device(device: str) -> None:
+    """Refuse what is no kind of device.
+
+    Raises:
+        InputError: with the nearest.
+    """
+    require_known("device", device, DEVICES)

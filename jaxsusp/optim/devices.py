@@ -10,6 +10,7 @@ import platform
 import stat
 import tempfile
 import warnings
+from collections import Counter
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -17,6 +18,8 @@ from pathlib import Path
 import jax
 
 from jaxsusp._cache import cache_folder, drop_oldest
+from jaxsusp.errors import InputError
+from jaxsusp.optim.choices import require_device
 
 WIDE = "--xla_cpu_prefer_vector_width=512"
 """XLA uses half of a 512-bit unit by default; `make bench` times the fitness with all of it."""
@@ -32,12 +35,16 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def configure(devices: int | None = None, keep: bool = True) -> None:
+def configure(devices: int | None = None, keep: bool = True, device: str | None = None) -> None:
     """Choose devices and code generation; only before the first computation.
 
     Args:
         devices: number of CPU devices; default one per core, or JAX_NUM_CPU_DEVICES if set.
         keep: whether compiled programs are kept for the next process, see `_keep_programs`.
+        device: see `use`.
+
+    Raises:
+        InputError: see `use`.
     """
     flags = os.environ.get("XLA_FLAGS", "")
     if "xla_cpu_prefer_vector_width" not in flags and _has_wide_vectors():
@@ -47,6 +54,54 @@ def configure(devices: int | None = None, keep: bool = True) -> None:
     if keep:
         with suppress(OSError):  # where nothing can be kept it takes longer, and works
             _keep_programs()
+    use(device)
+
+
+def use(device: str | None) -> None:
+    """Have everything computed by a kind of device; only before the first computation.
+
+    Args:
+        device: "cpu"; "gpu", which has to be there; or None, a GPU where JAX has one.
+
+    Raises:
+        InputError: JAX has no GPU.
+    """
+    if device is None:
+        return
+    require_device(device)
+    if device == "cpu":
+        jax.config.update("jax_platforms", "cpu")
+        return
+    with suppress(RuntimeError):
+        if jax.devices("gpu")[0].platform == jax.default_backend():
+            return
+    kept = os.environ.get("JAX_PLATFORMS")
+    why = f" (JAX_PLATFORMS is {kept})" if kept else ""
+    raise InputError(
+        f'device = "gpu": JAX computes on {said()}{why}; install JAX for a GPU of this machine, '
+        'such as pip install "jax[cuda13]", or leave device out'
+    )
+
+
+def said() -> str:
+    """What searches run on, in words: "2 × cpu", "1 × NVIDIA H200"."""
+    kinds = Counter(each.device_kind for each in jax.devices())
+    return ", ".join(f"{count} × {kind}" for kind, count in kinds.items())
+
+
+def accelerated() -> bool:
+    """Whether that is something else than the cores of this machine."""
+    return jax.default_backend() != "cpu"
+
+
+def free_memory() -> int | None:
+    """Bytes that all devices have free, as much of each as the fullest.
+
+    None where they do not tell, as those do that share the memory of the machine.
+    """
+    told = [each.memory_stats() for each in jax.devices()]
+    free = [each["bytes_limit"] - each["bytes_in_use"] for each in told if each]
+    return len(free) * min(free) if len(free) == len(told) else None
 
 
 def _keep_programs() -> None:

@@ -8,6 +8,7 @@ import hashlib
 import json
 import math
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,11 @@ from jaxsusp.errors import InputError
 FORMAT, SCHEMA = "jaxsusp plan", 3
 
 REMEDY = "give a file that `jaxsusp plan` wrote"
+
+
+def stem(name: str) -> str:
+    """What files of a scenario of this name are called."""
+    return re.sub(r"[^\w.-]+", "-", name).strip("-.")[:60] or "plan"
 
 
 def write(document: dict[str, Any], path: str | os.PathLike[str]) -> None:

@@ -7,6 +7,8 @@ import pytest
 from plans import LOW
 
 import jaxsusp as js
+from jaxsusp.planning.many.kept import Planned
+from jaxsusp.planning.many.scenes import Step
 from jaxsusp.planning.planner import Event
 from jaxsusp.planning.ranking import with_settings
 from jaxsusp.report.plan import film as pictures
@@ -168,3 +170,51 @@ def test_bad_input_is_one_message_and_status_two(run, file, tmp_path):
         assert said == ""
         assert message in told
         assert "Traceback" not in told
+
+
+@pytest.mark.usefixtures("planned")
+def test_several_are_a_file_each_and_one_table(run, tmp_path, monkeypatch, plan):
+    told = []
+
+    def many(scenarios, *, progress, **settings):
+        told.append((scenarios, settings))
+        found = (
+            Planned("scenario-1", plan, "", 1.5, tmp_path / "scenario-1.plan.json"),
+            Planned("other", None, "other.toml: payload.mass = -3; give more", 0.0),
+        )
+        for done, each in enumerate(found, 1):
+            progress(Step("finished", each.name, done, 2, each))
+        return found
+
+    monkeypatch.setattr("jaxsusp.planning.many.scenes.plan_many", many)
+    several = ("plan", "scenario-1", "scenario-2", "--runs", 3, "--output", tmp_path)
+    status, said, noted = run(*several)
+    assert status == 1
+    assert "1 of 2 feasible" in said
+    assert "other: other.toml: payload.mass = -3; give more" in said
+    assert noted.splitlines()[:2] == [
+        "1 of 2: scenario-1: feasible",
+        "2 of 2: other: no plan: other.toml: payload.mass = -3; give more",
+    ]
+    (scenarios, settings), = told  # fmt: skip
+    assert scenarios == ["scenario-1", "scenario-2"]
+    assert settings["runs"] == 3
+    assert settings["workers"].here
+    assert (tmp_path / "plans.csv").read_text().startswith("scenario,plan,")
+    status, said, _ = run(*several, "--json", "--workers", 2)
+    records = json.loads(said)
+    assert [each["feasible"] for each in records] == [True, False]
+    assert records[1]["reasons"] == ["other.toml: payload.mass = -3; give more"]
+    assert told[1][1]["workers"].workers == 2
+
+
+def test_an_interrupt_among_several_tells_what_is_kept(run, tmp_path, monkeypatch, plan):
+    def many(scenarios, *, progress, **_):
+        progress(Step("finished", "scenario-1", 1, 2, Planned("scenario-1", plan, "", 1.5)))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jaxsusp.planning.many.scenes.plan_many", many)
+    status, said, told = run("plan", "scenario-1", "scenario-2", "--output", tmp_path)
+    assert status == 130
+    assert "1 of 1 feasible" in said
+    assert f"1 of 2 plans are kept in {tmp_path}. The same command with --resume" in told

@@ -11,7 +11,7 @@ from small import SMALL, assert_same_numbers, thrifty
 
 import jaxsusp as js
 from jaxsusp.cluster import client
-from jaxsusp.cluster.choices import ClusterError
+from jaxsusp.cluster.choices import ClusterError, Place
 from jaxsusp.comparison.choices import PARTS
 
 STUDY = {**SMALL, "runs": 6, "chunk": 1}
@@ -149,6 +149,27 @@ def test_processes_of_this_machine_find_the_same(undisturbed, monkeypatch):
     ds = js.compare("scenario-1", [thrifty()], **STUDY, workers=1)
     assert_same_numbers(ds, undisturbed)
     assert np.isfinite(ds["fitness"]).all()
+
+
+def test_a_connection_with_certificates_finds_the_same_and_another_one_none(
+    guarded, certify, undisturbed, monkeypatch
+):
+    daemons, ours = guarded
+    assert daemons.address.startswith("tls://")
+    daemons.start_worker()
+    place = Place(daemons.address, None, ours.cert, ours.cert, ours.key)
+    ds = js.compare("scenario-1", [thrifty()], **STUDY, workers=place)
+    assert_same_numbers(ds, undisturbed)
+    stranger = certify("stranger")
+    monkeypatch.setattr(client, "ANSWER", 3.0)
+    for wrong in (
+        Place(daemons.address),
+        Place(daemons.address, None, stranger.cert, stranger.cert, stranger.key),
+        Place(daemons.address, None, ours.cert, stranger.cert, stranger.key),
+    ):
+        with pytest.raises(ClusterError, match="no Dask scheduler answers there") as refused:
+            js.compare("scenario-1", [thrifty()], **STUDY, workers=wrong)
+        assert "\n" not in str(refused.value)
 
 
 def test_time_is_measured_by_who_computes(daemons):

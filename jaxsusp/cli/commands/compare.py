@@ -14,6 +14,7 @@ from jaxsusp.cli.interrupts import working
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
+    Device,
     Json,
     Output,
     Population,
@@ -27,10 +28,12 @@ from jaxsusp.cli.options import (
     TlsKey,
     Waypoints,
     Workers,
+    configured,
     count,
     flag,
     names,
     require_choices,
+    require_own_device,
 )
 from jaxsusp.cluster.choices import Place
 from jaxsusp.comparison.choices import BUDGETS, FILE, MANIFEST
@@ -107,6 +110,7 @@ def compare(
     tls_ca: TlsCa = None,
     tls_cert: TlsCert = None,
     tls_key: TlsKey = None,
+    device: Device = None,
     gap: Gap = False,
     as_json: Json = False,
 ) -> None:
@@ -118,16 +122,16 @@ def compare(
     require_known("budget", budget, BUDGETS)
     place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
     place.require_sense()
+    require_own_device(device, place)
 
     from rich.console import Console
 
     from jaxsusp.cli.progress import ProgressBar
     from jaxsusp.comparison import compare as comparison
     from jaxsusp.comparison.kept.store import stored_scenarios
-    from jaxsusp.optim import devices
     from jaxsusp.studies.random_scenario import random_scenarios
 
-    devices.configure()
+    configured(device)
     working()
     with ProgressBar(Console(stderr=True)) as bar:
         try:

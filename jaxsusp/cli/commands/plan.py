@@ -13,19 +13,30 @@ from jaxsusp.cli.completion import algorithm_names, one_of
 from jaxsusp.cli.options import (
     RESULTS,
     SEARCH,
+    Device,
     Iterations,
     Json,
-    Named,
+    NamedMany,
     Output,
     Population,
     Runs,
     Samples,
+    Scheduler,
     Search,
     Seed,
+    TlsCa,
+    TlsCert,
+    TlsKey,
     Waypoints,
+    Workers,
+    configured,
     count,
+    flag,
     require_choices,
+    require_own_device,
 )
+from jaxsusp.cli.records import as_record
+from jaxsusp.cluster.choices import Place
 from jaxsusp.errors import InputError, require_known
 from jaxsusp.optim.choices import require_algorithm
 from jaxsusp.planning.choices import COORDINATIONS, ENDS, SHORTEST, TAUT
@@ -38,10 +49,10 @@ if TYPE_CHECKING:
 
 @command(
     epilog="Examples: jaxsusp plan scenario-1 --ends placed --output plans · "
-    "jaxsusp plan hybrid --ends placed",
+    "jaxsusp plan hybrid --ends placed · jaxsusp plan scenes/*.toml --workers 4",
 )
 def plan(
-    scenario: Named,
+    scenarios: NamedMany,
     algorithm: Annotated[
         str,
         typer.Option(
@@ -88,28 +99,58 @@ def plan(
     calm: Annotated[
         bool, typer.Option("--calm", help="Shape the motion so that the load does not swing on.")
     ] = False,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    tls_ca: TlsCa = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
+    device: Device = None,
+    resume: Annotated[
+        bool, flag("--resume", "Of several scenarios: go on from what is in the output folder.")
+    ] = False,
     output: Output = RESULTS,
     as_json: Json = False,
 ) -> None:
     """Plan a task: trajectory, cables, arms, all limits, certified clear.
 
-    Exit status 1 where the plan is infeasible, or the task is proved to be impossible.
+    Several scenarios are planned one by one, or by workers: a plan file of each, and one table.
+    Exit status 1 where a plan is infeasible, or a task is proved to be impossible.
     """
     require_algorithm(algorithm, [TAUT])
-    require_choices([scenario], search=search)
+    require_choices(scenarios, search=search)
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)
     takes = _duration(duration)
+    place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
+    place.require_sense()
+    require_own_device(device, place)
+    settings = {
+        "algorithm": algorithm, "ends": ends, "runs": runs, "iterations": iterations,
+        "retries": retries, "seed": seed, "population": population, "waypoints": waypoints,
+        "samples": samples, "search": search, "coordination": coordination, "simulate": simulate,
+        "duration": takes, "calm": calm,
+    }  # fmt: skip
+    if len(scenarios) > 1 or resume or not place.here:
+        from jaxsusp.cli.commands.plans import plan_several
 
+        configured(device)
+        plan_several(scenarios, output, place, resume, as_json, **settings)
+    else:
+        _plan_one(scenarios[0], output, as_json, device, settings)
+
+
+def _plan_one(
+    scenario: str, output: Path, as_json: bool, device: str | None, settings: dict[str, Any]
+) -> None:
+    """One task, with everything that is written and said about a plan."""
     from rich.console import Console
 
     from jaxsusp.comparison.bestknown import best_known
-    from jaxsusp.optim import devices
     from jaxsusp.planning import planner
     from jaxsusp.planning.feasibility import ImpossibleTaskError
     from jaxsusp.report.plan.folder import write_plan
 
-    devices.configure()
+    configured(device)
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
     task, seen = _plannable(scenario), set()
@@ -124,19 +165,15 @@ def plan(
                 note(f"{task.name}: {text}")
 
         try:
-            found = planner.plan(
-                task, algorithm, ends, runs, iterations, retries, seed,
-                population=population, waypoints=waypoints, samples=samples, search=search,
-                coordination=coordination, simulate=simulate, duration=takes, calm=calm,
-                progress=told,
-            )  # fmt: skip
+            found = planner.plan(task, **settings, progress=told)
             files = write_plan(found, output)
         except ImpossibleTaskError as error:
             note(str(error))
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             interrupted("no plan was finished; nothing was written.")
-    best = best_known(task, waypoints, samples) if ends == "given" else None
+    sizes = settings["waypoints"], settings["samples"]
+    best = best_known(task, *sizes) if settings["ends"] == "given" else None
     if as_json:
         record = {**as_record(found, files), "best_known": best}
         print(json.dumps(record, indent=2, allow_nan=False))
@@ -178,27 +215,6 @@ def _plannable(named: str) -> "Scenario":
             *lines, f"`jaxsusp check {quote(named)}` draws what blocks it, and what is free"
         )
     return task
-
-
-def as_record(plan: "Plan", files: list[Path]) -> dict[str, Any]:
-    """A plan's outcome as plain values for machines."""
-    from jaxsusp.planning.document import plain
-
-    return {
-        "scenario": plan.scenario.name,
-        "feasible": plan.feasible,
-        "certified": plan.certificate.proved,
-        "reasons": list(plan.reasons),
-        "clearance_m": plain(plan.clearance),
-        "ends_m": plan.ends.tolist(),
-        "report": [
-            {**plain(each._asdict()), "margin": plain(each.margin), "ok": each.ok}
-            for each in plan.report
-        ],
-        "duration_s": plan.law.duration,
-        "settings": plain(dict(plan.settings)),
-        "files": [str(file) for file in files],
-    }
 
 
 def _show(plan: "Plan", best: float | None) -> None:

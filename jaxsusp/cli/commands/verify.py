@@ -81,7 +81,7 @@ def verify(
 
 
 def _record(found: "Verification", name: str, files: list[Path]) -> dict:
-    from jaxsusp.cli.commands.plan import as_record
+    from jaxsusp.cli.records import as_record
 
     record = {**as_record(found.plan, files), "feasible": found.ok, "reasons": list(found.reasons)}
     del record["settings"]

@@ -1,13 +1,13 @@
 """Everything that is written about a plan: file, samples, tables and figures in one folder."""
 
 import os
-import re
 from collections.abc import Callable
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from jaxsusp._files import write_text
+from jaxsusp.planning.document import stem
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.drawing.style import save
 from jaxsusp.report.plan import figures as planfigures
@@ -45,14 +45,14 @@ def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    stem = re.sub(r"[^\w.-]+", "-", plan.scenario.name).strip("-.")[:60] or "plan"
-    files = [folder / f"{stem}.plan.json", folder / f"{stem}.plan.csv", folder / f"{stem}.plan.md"]
+    name = stem(plan.scenario.name)
+    files = [folder / f"{name}.plan.json", folder / f"{name}.plan.csv", folder / f"{name}.plan.md"]
     plan.save(files[0])
     plan.save_csv(files[1])
     tables = (limits_table(plan.report), ends_table(plan))
     write_text(files[2], "\n".join(f"## {t.attrs['title']}\n\n{to_markdown(t)}" for t in tables))
-    for name, draw in figures_of(plan).items():
-        files.append(folder / f"{stem}.{name}.png")
+    for kind, draw in figures_of(plan).items():
+        files.append(folder / f"{name}.{kind}.png")
         save(draw(plan), files[-1])
     return files
 

@@ -8,7 +8,7 @@ from matplotlib.colors import to_hex
 from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
-from jaxsusp.cli.commands.plan import as_record
+from jaxsusp.cli.records import as_record
 from jaxsusp.report.drawing import scene as scene3d
 from jaxsusp.report.drawing.painting import refine
 from jaxsusp.report.drawing.solids import Camera
