@@ -15,9 +15,17 @@ import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
 from jaxsusp.geometry.cables import attachment
-from jaxsusp.geometry.obstacles import KINDS, Boxes, Cylinders, Obstacles, Spheres, over_bodies
+from jaxsusp.geometry.obstacles import (
+    KINDS,
+    Boxes,
+    Cylinders,
+    Hulls,
+    Obstacles,
+    Spheres,
+    over_bodies,
+)
 from jaxsusp.geometry.segments import MEETS, SweptTests
-from jaxsusp.vec3 import Vec3, component, cross, norm, safe_sqrt
+from jaxsusp.vec3 import Vec3, component, cross, dot, norm, safe_sqrt
 
 SINGLE_PRECISION_MARGIN = 1e-4
 """m; added to every inflation when the arithmetic is float32, so that what a search finds clear
@@ -239,7 +247,42 @@ def _with_sphere(
         yield met
 
 
-HELD_AGAINST = {"boxes": _with_box, "cylinders": _with_cylinder, "spheres": _with_sphere}
+def _with_hull(
+    hull: Hulls, motion: Motion, bodies: Bodies, cables: Sequence[SweptCable], tests: SweptTests
+) -> Iterator[Array]:
+    wide, high = bodies.radius + bodies.clearance, bodies.half_height + bodies.clearance
+    start, stop = hull.to_own_frame(motion.start), hull.to_own_frame(motion.stop)
+
+    def by_load(normal: Vec3) -> Array:
+        """How far an upright cylinder reaches."""
+        return wide * safe_sqrt(normal.x**2 + normal.y**2) + high * jnp.abs(normal.z)
+
+    yield tests.faces(start, stop, hull.faces, by_load)
+
+    thin = bodies.cable_radius + bodies.clearance
+    middle, step = 0.5 * (start + stop), stop - start
+    for cable in cables:
+        hook, end_own = middle + hull.turn(cable.attachment), hull.to_own_frame(cable.end)
+        end_step = hull.turn(cable.step) if cable.step else None
+        half_motion = 0.5 * _larger(step, end_step)
+
+        def by_cable(normal: Vec3, half_motion: Vec3 = half_motion) -> Array:
+            """How far a ball and then half the motion reach."""
+            return thin + dot(normal.abs(), half_motion)
+
+        met = tests.faces(hook, end_own, hull.faces, by_cable)
+        if end_step is None:
+            normal = cross(step, end_own - hook)
+            met = tests.both(met, tests.plane_corners(normal, end_own, hull.corners, thin))
+        yield met
+
+
+HELD_AGAINST = {
+    "boxes": _with_box,
+    "cylinders": _with_cylinder,
+    "spheres": _with_sphere,
+    "hulls": _with_hull,
+}
 """How the load and every cable are held against an obstacle, by its kind."""
 
 

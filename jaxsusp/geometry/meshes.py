@@ -1,13 +1,80 @@
-"""Mesh obstacles: a file gives way to its bounding box, the paper's surround box."""
+"""Meshes from files: what they are, and the convex bodies that stand for them.
 
+A file gives way to its bounding box, the paper's surround box, to its convex hull, or to convex
+pieces (`geometry.pieces`).
+"""
+
+import functools
 import os
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from jaxsusp._types import Bool, Float, Int
+from jaxsusp.geometry.polytopes import Polytope, hull_of
+
+FORMATS = "STL, OBJ, PLY, OFF, GLB, glTF"
+"""What `trimesh` reads without anything else; what it knows beside these it reads as well."""
 
 
 class MeshError(ValueError):
     """A file that does not give a usable mesh."""
+
+
+class Surface(NamedTuple):
+    """The triangles of a file, all of its parts together, in the file's unit."""
+
+    vertices: Float[np.ndarray, "vertices xyz"]  # those at one place are one
+    faces: Int[np.ndarray, "faces corners=3"]
+
+    @property
+    def lower(self) -> np.ndarray:
+        """The lowest corner of the bounding box."""
+        return self.vertices.min(axis=0)
+
+    @property
+    def extents(self) -> np.ndarray:
+        """Full size of the bounding box; zero where the mesh is flat."""
+        return np.ptp(self.vertices, axis=0)
+
+    @property
+    def middle(self) -> np.ndarray:
+        """The centre of the bounding box."""
+        return self.lower + self.extents / 2
+
+    @property
+    def open_edges(self) -> int:
+        """Edges that do not belong to two triangles that go round them in opposite directions."""
+        edges = self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        edges = edges[edges[:, 0] != edges[:, 1]]
+        low, high = edges.min(axis=1), edges.max(axis=1)
+        sense = np.where(edges[:, 0] < edges[:, 1], 1, -1)
+        _, of, count = np.unique(
+            low * len(self.vertices) + high, return_inverse=True, return_counts=True
+        )
+        turns = np.zeros(len(count), int)
+        np.add.at(turns, of, sense)
+        return int(((count % 2 == 1) | (turns != 0)).sum())
+
+    @property
+    def used(self) -> Bool[np.ndarray, "vertices"]:
+        """Which vertices belong to a triangle."""
+        found = np.zeros(len(self.vertices), bool)
+        found[self.faces] = True
+        return found
+
+
+def surface(path: str | Path) -> Surface:
+    """The triangles of a mesh file; the last few files are remembered while they do not change.
+
+    Raises:
+        MeshError: the file is missing, unreadable, empty or holds non-finite coordinates.
+    """
+    if not os.path.isfile(path):
+        raise MeshError(f"there is no file {path}")
+    stat = os.stat(path)
+    return _surface(str(path), stat.st_mtime_ns, stat.st_size)
 
 
 def bounding_box(path: str | Path, scale: float = 1.0) -> np.ndarray:
@@ -23,38 +90,61 @@ def bounding_box(path: str | Path, scale: float = 1.0) -> np.ndarray:
     Raises:
         MeshError: the file is missing, unreadable, empty or holds non-finite coordinates.
     """
-    bounds = _load(path).bounds
-    if bounds is None:
-        raise MeshError(f"{path} holds no mesh")
     with np.errstate(all="ignore"):
-        extents = scale * (np.asarray(bounds[1], np.float64) - bounds[0])
+        extents = scale * surface(path).extents
     if not np.isfinite(extents).all():
         raise MeshError(f"{path} has coordinates that are not finite numbers")
     return extents
 
 
-def hull_points(path: str | Path, scale: float = 1.0) -> np.ndarray:
-    """Vertices of a mesh about the centre of its bounding box (m), (vertices, 3).
-
-    All of them, whose convex hull stands for the mesh; a flat mesh has none of its own.
+def hull(path: str | Path, scale: float = 1.0) -> Polytope:
+    """The convex hull of a mesh about the centre of its bounding box (m), see `polytopes.hull_of`.
 
     Raises:
         MeshError: as for `bounding_box`.
     """
     bounding_box(path, scale)
-    scene = _load(path)
-    vertices = np.asarray(scene.to_mesh().vertices, np.float64)
-    return scale * (vertices - np.mean(scene.bounds, axis=0))
+    stat = os.stat(path)
+    return _hull(str(path), stat.st_mtime_ns, stat.st_size).scaled(scale)
 
 
-def _load(path: str | Path):
+@functools.lru_cache(maxsize=16)
+def _hull(path: str, *_: int) -> Polytope:
+    found = surface(path)
+    return hull_of(found.vertices - found.middle)
+
+
+@functools.lru_cache(maxsize=4)
+def _surface(path: str, *_: int) -> Surface:
+    mesh = _load(path)
+    vertices = np.asarray(mesh.vertices, np.float64).reshape(-1, 3)
+    faces = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
+    if not len(faces):
+        raise MeshError(f"{path} holds no mesh")
+    if not np.isfinite(vertices).all():
+        raise MeshError(f"{path} has coordinates that are not finite numbers")
+    # STL states every triangle by itself: its corners are one where they are at one place.
+    places, index = np.unique(vertices, axis=0, return_inverse=True)
+    found = Surface(places, index.reshape(-1)[faces])
+    used = found.used
+    number = np.cumsum(used) - 1
+    found = Surface(places[used], number[found.faces])
+    for array in found:
+        array.setflags(write=False)
+    return found
+
+
+def _load(path: str) -> Any:
     import trimesh  # takes a while to import, and most scenarios hold no mesh
 
-    if not os.path.isfile(path):
-        raise MeshError(f"there is no file {path}")
     try:
         # Unprocessed: clean-up would drop vertices that are not finite without a word.
-        return trimesh.load_scene(path, process=False)
+        scene = trimesh.load_scene(path, process=False)
+        if scene.bounds is None:
+            raise MeshError(f"{path} holds no mesh")
+        return scene.to_mesh()
+    except MeshError:
+        raise
     except Exception as error:  # each format's parser fails in its own way
         reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise MeshError(f"{path} cannot be read as a mesh: {reason}") from error

@@ -15,13 +15,18 @@ import numpy as np
 
 from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.geometry.contacts import segments_clear
-from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.mechanics.arm import reach, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
 from jaxsusp.scenario.messages import numbered, sentence
 from jaxsusp.scenario.models import Statement
 from jaxsusp.scenario.ownunits import TOUCH, frame_of, in_own_units
-from jaxsusp.scenario.world import World, attachments_of, build_world, warning_shape
+from jaxsusp.scenario.world import (
+    World,
+    attachments_of,
+    build_world,
+    one_at_a_time,
+    warning_shape,
+)
 from jaxsusp.vec3 import Vec3
 
 _count = jax.jit(count_collisions)
@@ -194,7 +199,7 @@ def _columns_blocked(scenario: Statement) -> Iterator[str]:
     for i, obstacle in enumerate(own.obstacles):
         alone = own.model_copy(update={"obstacles": (obstacle,)})
         with jax.enable_x64(True):
-            world = build_world(alone, counts=[1] * len(KINDS))
+            world = build_world(alone, counts=one_at_a_time(alone))
             wide = jnp.asarray(world.robots.radius)[:, 0] + world.bodies.clearance
             foot = Vec3.from_array(jnp.asarray(world.robots.base))
             clear = _clear(foot, world.robots.shoulder, wide, world.obstacles)
@@ -222,7 +227,7 @@ def _in_contact(scenario: Statement) -> Iterator[str]:
     for i, obstacle in enumerate(own.obstacles):
         warning_area = f"the warning area of {numbered('obstacles', i, obstacle.name)}"
         alone = own.model_copy(update={"obstacles": (obstacle,)})
-        load, *cables = _contacts(build_world(alone, counts=[1] * len(KINDS)))
+        load, *cables = _contacts(build_world(alone, counts=one_at_a_time(alone)))
         for at, (place, point) in enumerate(_places(scenario)):
             if load[at]:
                 wrong = f"puts the load into {warning_area}"

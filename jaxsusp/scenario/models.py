@@ -19,7 +19,8 @@ from pydantic import (
     field_validator,
 )
 
-from jaxsusp.geometry.meshes import MeshError, bounding_box
+from jaxsusp.geometry.meshes import MeshError, bounding_box, hull
+from jaxsusp.geometry.polytopes import Polytope
 from jaxsusp.mechanics.drives import Drive
 from jaxsusp.scenario.quantities import (
     Lengths,
@@ -175,7 +176,8 @@ class Mesh(_Section):
     )
     yaw_deg: Number = Field(default=0.0, description="the angle about the vertical axis in degrees")
     shape: Literal["box", "hull"] = Field(
-        default="box", description='"box" or "hull", which stands for the mesh in the free space'
+        default="box",
+        description='what stands for the mesh, its bounding "box" or its convex "hull"',
     )
     file: str = Field(description="the path of a mesh file, relative to the scenario file")
 
@@ -202,6 +204,11 @@ class Mesh(_Section):
         """Full size of its bounding box (m)."""
         x, y, z = bounding_box(self.path, self.scale).tolist()
         return x, y, z
+
+    @property
+    def bodies(self) -> tuple[Polytope, ...]:
+        """What stands for it where that is no box: convex bodies about its centre, not turned."""
+        return () if self.shape == "box" else (hull(self.path, self.scale),)
 
 
 def _three_or_more(robots: tuple[Robot, ...]) -> tuple[Robot, ...]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.collisions import Bodies
-from jaxsusp.geometry.obstacles import KINDS, Obstacles, pack
+from jaxsusp.geometry.obstacles import Obstacles, Placed, hull_counts, pack
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import Load
 from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
@@ -100,19 +100,28 @@ class World(NamedTuple):
 
 
 def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, ...]:
-    """Least padded number of every kind (`KINDS`) that holds every one of the scenarios."""
+    """Least padded numbers, as `pack` takes them, that hold every one of the scenarios."""
     rows = [_by_kind(scenario) for scenario in scenarios]
-    return tuple(max(len(each[kind]) for each in rows) for kind in KINDS)
+    plain = tuple(max(len(each[kind]) for each in rows) for kind in _PLAIN)
+    hulls = [counts for each in rows if (counts := hull_counts(each["hulls"]))]
+    return plain + tuple(max(column) for column in zip(*hulls, strict=True))
 
 
 def rounded_counts(scenario: Statement) -> tuple[int, ...]:
     """Padded number of every kind: the same for all of them, 16, 64, 256, and so on.
 
     For programs that meet one scenario after the other: nearly all of them share the compiled
-    program, and padding costs no time (`geometry.obstacles.over_bodies`).
+    program, and padding costs no time (`geometry.obstacles.over_bodies`). Hulls are rounded by
+    themselves, and programs of scenarios without any hold none.
     """
-    most = max(obstacle_counts([scenario]))
-    return (rounded_up(most, 16),) * len(KINDS)
+    counts = obstacle_counts([scenario])
+    plain = (rounded_up(max(counts[:3]), 16),) * 3
+    return plain + tuple(map(rounded_up, counts[3:], (4, 64, 64)))
+
+
+def one_at_a_time(scenario: Statement) -> tuple[int, ...]:
+    """Counts for a scenario with one obstacle, the same for nearly all of them."""
+    return (1, 1, 1, *rounded_counts(scenario)[3:])
 
 
 def rounded_up(count: int, least: int) -> int:
@@ -146,7 +155,7 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         upper=_vector(scenario.workspace.upper),
         floor=_scalar(lowest(scenario)[2]),
         bodies=bodies,
-        obstacles=pack(**_by_kind(scenario), counts=counts or obstacle_counts([scenario])),
+        obstacles=_packed(scenario, counts),
         limits=_limits(limits),
         mass=_scalar(payload.mass),
         duration=_scalar(scenario.task.duration),
@@ -243,12 +252,24 @@ def _scalar(value: float) -> np.ndarray:
     return np.array(value, np.float64)
 
 
-def _by_kind(scenario: Statement) -> dict[str, np.ndarray]:
-    """Rows of every kind as `pack` wants them; a mesh counts as its box."""
-    rows: dict[str, list] = {kind: [] for kind in KINDS}
+def _packed(scenario: Statement, counts: Sequence[int] | None) -> Obstacles:
+    rows = _by_kind(scenario)
+    plain = {kind: np.array(rows[kind]) for kind in _PLAIN}
+    return pack(**plain, counts=counts or obstacle_counts([scenario]), hulls=rows["hulls"])
+
+
+_PLAIN = "boxes", "cylinders", "spheres"
+
+
+def _by_kind(scenario: Statement) -> dict[str, list]:
+    """Rows of every kind as `pack` wants them; a mesh counts as what stands for it."""
+    rows: dict[str, list] = {kind: [] for kind in (*_PLAIN, "hulls")}
     for obstacle in scenario.obstacles:
         center = obstacle.center
         match obstacle.kind:
+            case "mesh" if obstacle.shape != "box":
+                yaw = math.radians(obstacle.yaw_deg)
+                rows["hulls"] += [Placed(center, yaw, each) for each in obstacle.bodies]
             case "box" | "mesh":
                 half = [side / 2 for side in obstacle.size]
                 rows["boxes"].append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
@@ -258,4 +279,4 @@ def _by_kind(scenario: Statement) -> dict[str, np.ndarray]:
                 rows["spheres"].append([*center, obstacle.radius])
             case _:
                 raise ValueError(f"no arrays for an obstacle of kind {obstacle.kind!r}")
-    return {kind: np.array(each) for kind, each in rows.items()}
+    return rows

@@ -14,7 +14,14 @@ from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.armmodel import add_robots, servo_names, servo_positions
-from jaxsusp.verify.bodies import BoxShape, CapsuleShape, CylinderShape, Shape, obstacle_shape
+from jaxsusp.verify.bodies import (
+    BoxShape,
+    CapsuleShape,
+    CylinderShape,
+    HullShape,
+    Shape,
+    named_shapes,
+)
 from jaxsusp.verify.engine import mujoco
 
 # All of these are in the task's own units (see `jaxsusp.scenario.ownunits`), which are those of the
@@ -130,7 +137,8 @@ def _surroundings(spec: Any, rigging: Rigging) -> None:
         _floor(world, [middle[0], middle[1], height], units.length)
     for number, obstacle in enumerate(rigging.scenario.obstacles, start=1):
         name = f"{number} {obstacle.name or f'obstacle {number}'}"
-        _geom(world, name, obstacle_shape(obstacle))
+        for part, shape in named_shapes(obstacle, name):
+            _geom(spec, part, shape)
 
 
 def _floor(world: Any, place: list[float], length: float) -> None:
@@ -141,11 +149,15 @@ def _floor(world: Any, place: list[float], length: float) -> None:
     )  # fmt: skip
 
 
-def _geom(world: Any, name: str, shape: Shape) -> None:
+def _geom(spec: Any, name: str, shape: Shape) -> None:
     """An obstacle; like all that is not the load it is in contact with the load only."""
     look = {"name": name, "rgba": _STONE, "contype": 0}
-    kinds = mujoco.mjtGeom
+    kinds, world = mujoco.mjtGeom, spec.worldbody
     match shape:
+        case HullShape():
+            shape.add(spec, name)
+            geom = spec.geom(name)
+            geom.rgba, geom.contype = _STONE, 0
         case BoxShape(center, half, yaw):
             turn = [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
             world.add_geom(type=kinds.mjGEOM_BOX, pos=center, size=half, quat=turn, **look)

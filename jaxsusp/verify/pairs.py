@@ -15,7 +15,7 @@ from jaxsusp._types import Float
 from jaxsusp.scenario.world import attachments_of, warning_shape
 from jaxsusp.suspension.armclearance import NEAR_END
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.bodies import Body, GroundShape, obstacle_shape
+from jaxsusp.verify.bodies import Body, GroundShape, named_shapes
 from jaxsusp.verify.elbow import elbow
 
 NEAR_HOOK = 0.1
@@ -69,8 +69,9 @@ class System:
         nowhere = self._point()
         assert nowhere == 0
         obstacles = [
-            self._body(obstacle.name or f"obstacle {i}", obstacle=obstacle_shape(obstacle))
+            self._body(name, obstacle=shape)
             for i, obstacle in enumerate(scenario.obstacles, start=1)
+            for name, shape in named_shapes(obstacle, obstacle.name or f"obstacle {i}")
         ]
         shape = warning_shape(scenario)
         center = self._point(along=1.0)

@@ -25,7 +25,7 @@ from jaxsusp.report.drawing.painting import (
 )
 from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import frame_plane
-from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacles, solids_of
 from jaxsusp.report.drawing.style import (
     INK,
     QUIET,
@@ -108,7 +108,7 @@ def stage(
         width: of the figure, inches.
     """
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    solids = of_obstacles(scenario.obstacles)
     camera = best_view(solids, curves or [task], unit=frame_of(scenario).length)
     figure = picture(width, 7.0 / 13.0 * width)
     view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
@@ -132,7 +132,7 @@ def paint_task(axes: Axes, scenario: Any, camera: Camera | None = None) -> Camer
         scenario: a `Scenario`; its start and goal may be inadmissible.
         camera: who looks; by default from where start and goal are seen best.
     """
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    solids = of_obstacles(scenario.obstacles)
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     eye = camera or best_view(solids, [task], unit=frame_of(scenario).length)
     paint_room(axes, eye, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario))
@@ -242,8 +242,9 @@ def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -
     for rank, i in enumerate(camera.back_to_front(bodies)):
         color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
         paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
-    for number, solid in enumerate(solids, start=1):
-        top = solid.corners[solid.corners[:, 2] > solid.corners[:, 2].max() - 1e-6 * unit]
+    for number, obstacle in enumerate(scenario.obstacles, start=1):
+        corners = np.concatenate([solid.corners for solid in solids_of(obstacle)])
+        top = corners[corners[:, 2] > corners[:, 2].max() - 1e-6 * unit]
         top = top.mean(axis=0)
         if not hidden(top[None] + [0, 0, 1e-3 * unit], solids, camera).any():
             paint_label(axes, camera, top, str(number), fontsize=7.5, color="#5F6670")
