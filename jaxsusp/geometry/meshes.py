@@ -11,11 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jaxsusp._types import Bool, Float, Int
+from jaxsusp._types import Float, Int
 from jaxsusp.geometry.polytopes import Polytope, hull_of
-
-FORMATS = "STL, OBJ, PLY, OFF, GLB, glTF"
-"""What `trimesh` reads without anything else; what it knows beside these it reads as well."""
 
 
 class MeshError(ValueError):
@@ -25,7 +22,7 @@ class MeshError(ValueError):
 class Surface(NamedTuple):
     """The triangles of a file, all of its parts together, in the file's unit."""
 
-    vertices: Float[np.ndarray, "vertices xyz"]  # those at one place are one
+    vertices: Float[np.ndarray, "vertices xyz"]  # in an STL file, three for every triangle
     faces: Int[np.ndarray, "faces corners=3"]
 
     @property
@@ -44,25 +41,28 @@ class Surface(NamedTuple):
         return self.lower + self.extents / 2
 
     @property
-    def open_edges(self) -> int:
-        """Edges that do not belong to two triangles that go round them in opposite directions."""
-        edges = self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-        edges = edges[edges[:, 0] != edges[:, 1]]
-        low, high = edges.min(axis=1), edges.max(axis=1)
-        sense = np.where(edges[:, 0] < edges[:, 1], 1, -1)
-        _, of, count = np.unique(
-            low * len(self.vertices) + high, return_inverse=True, return_counts=True
-        )
-        turns = np.zeros(len(count), int)
-        np.add.at(turns, of, sense)
-        return int(((count % 2 == 1) | (turns != 0)).sum())
+    def merged(self) -> "Surface":
+        """The same triangles, corners at one place taken as one, none of them twice in one."""
+        places, index = np.unique(self.vertices, axis=0, return_inverse=True)
+        faces = index.reshape(-1)[self.faces]
+        proper = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
+        return Surface(places, faces[proper])
 
     @property
-    def used(self) -> Bool[np.ndarray, "vertices"]:
-        """Which vertices belong to a triangle."""
-        found = np.zeros(len(self.vertices), bool)
-        found[self.faces] = True
-        return found
+    def open_edges(self) -> int:
+        """Edges that triangles do not go along as often in the one sense as in the other."""
+        merged = self.merged
+        edges = merged.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        key = edges.min(axis=1) * len(merged.vertices) + edges.max(axis=1)
+        _, of = np.unique(key, return_inverse=True)
+        turns = np.bincount(of, np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0))
+        return int((turns != 0).sum())
+
+    @property
+    def volume(self) -> float:
+        """What a closed surface encloses."""
+        a, b, c = (self.vertices - self.middle)[self.faces].transpose(1, 0, 2)
+        return float(abs((a * np.cross(b, c)).sum()) / 6)
 
 
 def surface(path: str | Path) -> Surface:
@@ -123,12 +123,9 @@ def _surface(path: str, *_: int) -> Surface:
         raise MeshError(f"{path} holds no mesh")
     if not np.isfinite(vertices).all():
         raise MeshError(f"{path} has coordinates that are not finite numbers")
-    # STL states every triangle by itself: its corners are one where they are at one place.
-    places, index = np.unique(vertices, axis=0, return_inverse=True)
-    found = Surface(places, index.reshape(-1)[faces])
-    used = found.used
-    number = np.cumsum(used) - 1
-    found = Surface(places[used], number[found.faces])
+    used = np.zeros(len(vertices), bool)
+    used[faces] = True
+    found = Surface(vertices[used], (np.cumsum(used) - 1)[faces])
     for array in found:
         array.setflags(write=False)
     return found

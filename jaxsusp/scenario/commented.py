@@ -34,6 +34,7 @@ _INSTEAD = {
     "jerk": ("1.0", "no limit"),
     "cable_speed": ("0.5", "no limit"),
     "joint_speed_deg": ("90.0", "90 for arms that move"),
+    "pieces": ("16", "16"),
 }
 """Of keys whose default cannot be written: an example, and what the default is in words."""
 

@@ -20,6 +20,7 @@ from pydantic import (
 )
 
 from jaxsusp.geometry.meshes import MeshError, bounding_box, hull
+from jaxsusp.geometry.pieces import PIECES, pieces_of, require_divisible
 from jaxsusp.geometry.polytopes import Polytope
 from jaxsusp.mechanics.drives import Drive
 from jaxsusp.scenario.quantities import (
@@ -175,9 +176,13 @@ class Mesh(_Section):
         default=1.0, description="the factor from the unit of the file to metres"
     )
     yaw_deg: Number = Field(default=0.0, description="the angle about the vertical axis in degrees")
-    shape: Literal["box", "hull"] = Field(
+    shape: Literal["box", "hull", "pieces"] = Field(
         default="box",
-        description='what stands for the mesh, its bounding "box" or its convex "hull"',
+        description='what stands for the mesh, its bounding "box", its convex "hull", or convex '
+        '"pieces"',
+    )
+    pieces: int | None = Field(
+        default=None, ge=1, le=256, description='the most convex pieces with shape = "pieces"'
     )
     file: str = Field(description="the path of a mesh file, relative to the scenario file")
 
@@ -190,6 +195,8 @@ class Mesh(_Section):
         path = os.path.abspath(os.path.join(folder, file))
         try:
             bounding_box(path, info.data.get("scale", 1.0))
+            if info.data.get("shape") == "pieces":
+                require_divisible(path, info.data.get("pieces") or PIECES)
         except MeshError as error:
             raise ValueError(f"cannot be used ({error})") from error
         return path
@@ -208,7 +215,12 @@ class Mesh(_Section):
     @property
     def bodies(self) -> tuple[Polytope, ...]:
         """What stands for it where that is no box: convex bodies about its centre, not turned."""
-        return () if self.shape == "box" else (hull(self.path, self.scale),)
+        match self.shape:
+            case "hull":
+                return (hull(self.path, self.scale),)
+            case "pieces":
+                return pieces_of(self.path, self.scale, self.pieces or PIECES)
+        return ()
 
 
 def _three_or_more(robots: tuple[Robot, ...]) -> tuple[Robot, ...]:

@@ -201,8 +201,8 @@ class _Core:
 def forbidden_of(scenario: Scenario, cables: bool = True, steps: int = STEPS) -> Forbidden:
     """What a certificate refuses: too small a distance of load or cables from an obstacle.
 
-    Meshes are what stands for them, as in a certificate. Where ends move, or are not settled, a position
-    does not say where the cables are: the load's own bodies alone are left.
+    Meshes are what stands for them, as in a certificate. Where ends move, or are not settled, a
+    position does not say where the cables are: the load's own bodies alone are left.
 
     Args:
         scenario: the task; its ends are as given.

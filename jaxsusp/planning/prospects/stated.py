@@ -18,6 +18,7 @@ _UNLIMITED = ("speed", "acceleration", "jerk", "cable_speed")
 
 _IN_WORDS = {
     "ground": "at the lowest base", "joint_limits_deg": "none",
+    "pieces": "16",
     "joint_speed_deg": "90 where arms move", **dict.fromkeys(_UNLIMITED, "none"),
 }  # fmt: skip
 """What the absence of a value means."""
