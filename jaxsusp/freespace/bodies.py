@@ -23,10 +23,11 @@ from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points, corners_of
 from jaxsusp.freespace.shadows import shadows
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
 from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.sums import sums
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import lowest, warning_shape
+from jaxsusp.scenario.world import load_of, lowest, warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
@@ -71,8 +72,11 @@ def obstacle_bodies(
     clear, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
     across, up = shape.radius + clear, shape.half_height + clear
     thin, found = shape.cable_radius + clear, []
-    for part, named in _parts(obstacle, name):
-        found.append(Body.hull(f"{named} (load)", _inflated(part, across, up, None)))
+    load = load_of(scenario)
+    met = [] if load is None else [body.larger(clear).corners for body in sums(obstacle, load)]
+    for i, (part, named) in enumerate(_parts(obstacle, name)):
+        around_load = _inflated(part, across, up, None) if load is None else met[i]
+        found.append(Body.hull(f"{named} (load)", around_load))
         if not moving(scenario.drive):
             around_cable = Body.hull(named, _inflated(part, thin, thin, turn))
             found += shadows(scenario, around_cable)

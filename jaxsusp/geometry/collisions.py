@@ -8,7 +8,7 @@ and are summed once at the end: a reduction inside the loop would keep XLA from 
 import functools
 import operator
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -46,6 +46,9 @@ class Bodies(NamedTuple):
     clearance: Float[Array, ""]
     attachments: Vec3  # one entry for a common hook, else K, relative to the centre of mass
     ends: Vec3  # K upper cable ends; where they move, (K, samples, …)
+    sums: Hulls | None = None
+    """Sums of every obstacle and a load that is no cylinder: what its centre keeps out of. The
+    radius is then that of a cylinder around it, and counts for arms alone."""
 
 
 class Motion(NamedTuple):
@@ -114,14 +117,46 @@ def _count(
     motion: "Motion", bodies: Bodies, cables: Sequence["SweptCable"], obstacles: Obstacles
 ) -> Int[Array, "*batch"]:
     hits = jnp.zeros(motion.step.x.shape, jnp.int32)
-    for kind in KINDS:
+    for kind, packed in kinds_of(bodies, obstacles):
 
-        def add(hits, obstacle, held_against=HELD_AGAINST[kind]):
-            found = held_against(obstacle, motion, bodies, cables, MEETS)
-            return hits + functools.reduce(operator.add, [each.astype(jnp.int32) for each in found])
+        def add(hits, obstacle, kind=kind):
+            found = held_against(kind, obstacle, motion, bodies, cables, MEETS)
+            told = [each.astype(jnp.int32) for each in found if each is not None]
+            return hits + functools.reduce(operator.add, told, *() if told else (0,))
 
-        hits = over_bodies(add, getattr(obstacles, kind), hits)
+        hits = over_bodies(add, packed, hits)
     return hits.sum(axis=0)
+
+
+def kinds_of(bodies: Bodies, obstacles: Obstacles) -> list[tuple[str, Any]]:
+    """All kinds of packed obstacles, and the sums that stand for them for some loads."""
+    found = [(kind, getattr(obstacles, kind)) for kind in KINDS]
+    return found if bodies.sums is None else [*found, (SUMS, bodies.sums)]
+
+
+SUMS = "sums"
+
+
+def held_against(
+    kind: str,
+    obstacle: Any,
+    motion: "Motion",
+    bodies: Bodies,
+    cables: Sequence["SweptCable"],
+    tests: SweptTests,
+) -> list[Array | None]:
+    """What the tests tell of the load, then of every cable, and an obstacle.
+
+    Where the load has sums with obstacles, those tell of it, and the obstacles of cables alone:
+    what is not told is None.
+    """
+    if kind == SUMS:
+        start, stop = obstacle.to_own_frame(motion.start), obstacle.to_own_frame(motion.stop)
+        return [tests.faces(start, stop, obstacle.faces, lambda normal: bodies.clearance)]
+    found: list[Array | None] = [*HELD_AGAINST[kind](obstacle, motion, bodies, cables, tests)]
+    if bodies.sums is not None:
+        found[0] = None
+    return found
 
 
 def with_margin(bodies: Bodies, dtype) -> Bodies:

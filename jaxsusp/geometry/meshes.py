@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jaxsusp._types import Float, Int
-from jaxsusp.geometry.polytopes import Polytope, hull_of
+from jaxsusp.geometry.polytopes import FACES, Polytope, hull_of
 
 
 class MeshError(ValueError):
@@ -97,7 +97,7 @@ def bounding_box(path: str | Path, scale: float = 1.0) -> np.ndarray:
     return extents
 
 
-def hull(path: str | Path, scale: float = 1.0) -> Polytope:
+def hull(path: str | Path, scale: float = 1.0, faces: int = FACES) -> Polytope:
     """The convex hull of a mesh about the centre of its bounding box (m), see `polytopes.hull_of`.
 
     Raises:
@@ -105,13 +105,13 @@ def hull(path: str | Path, scale: float = 1.0) -> Polytope:
     """
     bounding_box(path, scale)
     stat = os.stat(path)
-    return _hull(str(path), stat.st_mtime_ns, stat.st_size).scaled(scale)
+    return _hull(str(path), faces, stat.st_mtime_ns, stat.st_size).scaled(scale)
 
 
 @functools.lru_cache(maxsize=16)
-def _hull(path: str, *_: int) -> Polytope:
+def _hull(path: str, faces: int, *_: int) -> Polytope:
     found = surface(path)
-    return hull_of(found.vertices - found.middle)
+    return hull_of(found.vertices - found.middle, faces)
 
 
 @functools.lru_cache(maxsize=4)

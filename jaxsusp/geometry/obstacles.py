@@ -190,11 +190,12 @@ def pack(
         Boxes(Vec3(*box[:3]), Vec3(*box[3:6]), np.cos(box[6]), np.sin(box[6]), box_active),
         Cylinders(Vec3(*cylinder[:3]), cylinder[3], cylinder[4], cylinder_active),
         Spheres(Vec3(*sphere[:3]), sphere[3], sphere_active),
-        _packed_hulls(hulls, tuple(counts[3:]) or hull_counts(hulls)),
+        pack_hulls(hulls, tuple(counts[3:6]) or hull_counts(hulls)),
     )
 
 
-def _packed_hulls(hulls: Sequence[Placed], counts: tuple[int, ...]) -> Hulls | None:
+def pack_hulls(hulls: Sequence[Placed], counts: Sequence[int]) -> Hulls | None:
+    """Convex bodies packed and padded to `hull_counts`; None where there is no place for any."""
     if not counts or not counts[0]:
         return None
     count, faces, corners = counts

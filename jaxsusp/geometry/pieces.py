@@ -33,14 +33,15 @@ FACES = 32
 TRIANGLES = 200_000
 """Most triangles that are divided into pieces: more take minutes."""
 
-GROWN = 0.005
-"""Share of its size by which the pieces of a part are larger, on every side."""
+GROWN = (0.0, 0.001, 0.002, 0.005, 0.01, 0.02)
+"""Shares of its size by which the pieces of a part are larger on every side: the first that does."""
 
 CONCAVITY = 0.05
 """CoACD's threshold: how far a hull may be off its part, as it measures that."""
 
 _HALVINGS = 12  # of the sides of a triangle
 _SEED = 0
+_TOUCH = 1e-7  # of the size
 
 
 def require_divisible(path: str | Path, pieces: int) -> None:
@@ -163,20 +164,26 @@ def _one_thread(coacd: Any) -> Iterator[None]:
 
 def _holding(path: str, part: Surface, bodies: list[Polytope], size: float) -> list[Polytope]:
     """Bodies larger by a little, of which it is proved that they hold a surface."""
-    for times in (1, 2, 4):
-        larger = [body.larger(times * GROWN * size) for body in bodies]
-        if held_by(larger, part.vertices[part.faces]):
+    for share in GROWN:
+        larger = [body.larger(share * size) for body in bodies] if share else bodies
+        if held_by(larger, part.vertices[part.faces], _TOUCH * size):
             return larger
     raise MeshError(f'the pieces that were found for {path} leave parts of it out; give "hull"')
 
 
-def held_by(bodies: list[Polytope], triangles: np.ndarray) -> bool:
-    """Whether it is proved that bodies hold all of some triangles (n, 3, 3)."""
+def held_by(bodies: list[Polytope], triangles: np.ndarray, beyond: float = 0.0) -> bool:
+    """Whether it is proved that bodies hold all of some triangles (n, 3, 3).
+
+    Args:
+        bodies: convex ones.
+        triangles: in their unit.
+        beyond: what may stand out, for rounding.
+    """
     for _ in range(_HALVINGS):
         whole = np.zeros(len(triangles), bool)
         for body in bodies:
             room = (body.offsets - triangles @ body.normals.T).min(axis=2)
-            whole |= (room >= 0).all(axis=1)
+            whole |= (room >= -beyond).all(axis=1)
         triangles = triangles[~whole]
         if not len(triangles):
             return True
@@ -184,7 +191,7 @@ def held_by(bodies: list[Polytope], triangles: np.ndarray) -> bool:
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
         quarters = ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))
         triangles = np.concatenate([np.stack(each, axis=1) for each in quarters])
-        if len(triangles) > 4_000_000:
+        if len(triangles) > 1_000_000:
             return False
     return False
 

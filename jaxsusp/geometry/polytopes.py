@@ -61,6 +61,20 @@ class Polytope(NamedTuple):
         return Polytope(found, self.grown, offsets, self.grown)
 
     @property
+    def inertia(self) -> Float[np.ndarray, "xyz xyz"]:
+        """Moments of inertia per mass about the centroid of a uniform body (m²)."""
+        hull = ConvexHull(self.corners)
+        corners = self.corners - self.corners[hull.vertices].mean(axis=0)
+        sides = corners[hull.simplices]  # with the middle, tetrahedra that fill the body
+        volumes = np.abs(np.linalg.det(sides)) / 6
+        sums = sides.sum(axis=1)
+        centroid = (volumes @ sums) / 4 / volumes.sum()
+        second = np.einsum("t,tia,tib->ab", volumes, sides, sides)
+        second += np.einsum("t,ta,tb->ab", volumes, sums, sums)
+        second = second / 20 / volumes.sum() - np.outer(centroid, centroid)
+        return np.trace(second) * np.eye(3) - second
+
+    @property
     def volume(self) -> float:
         """Its volume (m³)."""
         return float(ConvexHull(self.corners).volume)

@@ -178,8 +178,8 @@ def _mesh_in_words(mesh: dict[str, Any]) -> str:
         mesh["shape"], f"{bodies} convex piece{'s' * (bodies != 1)}"
     )
     text = (
-        f"{mesh['obstacle']} is a mesh of {mesh['triangles']:,} triangles, {size} m; for it stands "
-        f"{shape}, {significant(volume, 3)} m³"
+        f"{mesh['obstacle']} is a mesh of {mesh['triangles']:,} triangles, {size} m, in place of "
+        f"which {'is' if bodies == 1 else 'are'} {shape}, {significant(volume, 3)} m³"
     )
     if own is None:
         return f"{text}; it is not closed ({mesh['open_edges']} open edges): it has no volume."

@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -17,11 +18,12 @@ from pydantic import (
     Field,
     Tag,
     field_validator,
+    model_validator,
 )
 
 from jaxsusp.geometry.meshes import MeshError, bounding_box, hull
 from jaxsusp.geometry.pieces import PIECES, pieces_of, require_divisible
-from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.polytopes import Polytope, hull_of
 from jaxsusp.mechanics.drives import Drive
 from jaxsusp.scenario.quantities import (
     Lengths,
@@ -47,17 +49,85 @@ class _Section(BaseModel):
 
 
 class Payload(_Section):
-    """The load: an upright cylinder, positioned by its centre."""
+    """The load: an upright cylinder, a box or a mesh's hull, positioned by its centre."""
 
     mass: Positive = Field(description="the mass in kg")
-    radius: Positive = Field(description="the radius in m")
-    height: Positive = Field(description="the height in m")
+    radius: Positive = Field(description="the radius in m, of a cylinder; else left out")
+    height: Positive = Field(description="the height in m, of a cylinder; else left out")
+    size: Lengths | None = Field(
+        default=None, description="the full size [x, y, z] in m of a load that is a box"
+    )
+    file: str | None = Field(
+        default=None, description="a mesh file whose convex hull the load is, by its bounding box"
+    )
+    scale: Positive | None = Field(
+        default=None, description="the factor from the unit of that file to metres"
+    )
+    yaw_deg: Number | None = Field(
+        default=None, description="the angle in degrees of box or mesh about the vertical axis"
+    )
     attachments: Attachments = Field(
         default="hook", description='"hook", or one [x, y, z] in m from the centre per cable'
     )
     center_of_mass: Point = Field(
         default=(0.0, 0.0, 0.0), description="the offset [x, y, z] in m from the centre"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_cylinder_around(cls, given: Any, info: Any) -> Any:
+        """A box or a mesh states the upright cylinder around itself, for all that asks for one."""
+        if not isinstance(given, dict) or not (given.get("size") or given.get("file")):
+            if isinstance(given, dict) and {"scale", "yaw_deg"} & {*given}:
+                raise ValueError("states scale or yaw_deg, and no size or file that they are of")
+            return given
+        given = dict(given)
+        if given.get("size") and given.get("file"):
+            raise ValueError("states size and file; leave one of them out")
+        if given.get("file"):
+            folder = (info.context or {}).get("folder", "")
+            given["file"] = os.path.abspath(os.path.join(folder, str(given["file"])))
+            given.setdefault("scale", 1.0)
+        try:
+            body = load_body(given.get("size"), given.get("file"), given.get("scale"), 0.0)
+        except MeshError as error:
+            raise ValueError(f"cannot be used ({error})") from error
+        except (TypeError, ValueError):
+            return {"radius": 1.0, "height": 1.0, **given}  # its own fields say what is wrong
+        radius = float(np.hypot(*body.corners[:, :2].T).max())
+        for key, own in (("radius", radius), ("height", 2 * float(body.corners[:, 2].max()))):
+            if abs(given.setdefault(key, own) - own) > 1e-6 * own:
+                raise ValueError(f"states {key}, which a load with size or file has by itself")
+        return given
+
+    @property
+    def words(self) -> str:
+        """Its shape and size in a few words."""
+        if self.size is not None:
+            return f"box of {' × '.join(f'{side:g}' for side in self.size)} m"
+        size = f"{self.radius:g} × {self.height:g} m"
+        return size if self.file is None else f"hull of {Path(self.file).name} in {size}"
+
+    @property
+    def body(self) -> Polytope | None:
+        """The load about its centre, turned by its yaw; None: it is an upright cylinder."""
+        if self.size is None and self.file is None:
+            return None
+        return load_body(self.size, self.file, self.scale, self.yaw_deg or 0.0)
+
+
+def load_body(size: Any, file: str | None, scale: float | None, yaw_deg: float) -> Polytope:
+    """A box, or the hull of a mesh, about the middle of its bounding box (m)."""
+    if size is not None:
+        corners = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
+        found = hull_of(corners * np.array(size, np.float64))
+    else:
+        found = hull(str(file), 1.0 if scale is None else scale, LOAD_FACES)
+    return found.placed((0.0, 0.0, 0.0), yaw_deg)
+
+
+LOAD_FACES = 24
+"""Most faces of a load that is a mesh's hull."""
 
 
 class Limits(_Section):

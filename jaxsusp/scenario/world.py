@@ -6,7 +6,7 @@ all. Host code builds it in float64; the fitness casts it to the dtype of its ar
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -15,7 +15,9 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.collisions import Bodies
-from jaxsusp.geometry.obstacles import Obstacles, Placed, hull_counts, pack
+from jaxsusp.geometry.obstacles import Obstacles, Placed, hull_counts, pack, pack_hulls
+from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.sums import sums
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import Load
 from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
@@ -103,8 +105,14 @@ def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, ...]:
     """Least padded numbers, as `pack` takes them, that hold every one of the scenarios."""
     rows = [_by_kind(scenario) for scenario in scenarios]
     plain = tuple(max(len(each[kind]) for each in rows) for kind in _PLAIN)
-    hulls = [counts for each in rows if (counts := hull_counts(each["hulls"]))]
-    return plain + tuple(max(column) for column in zip(*hulls, strict=True))
+    hulls = _most(hull_counts(each["hulls"]) for each in rows)
+    sums = _most(hull_counts(load_sums(scenario)) for scenario in scenarios)
+    return plain + ((hulls or (0, 0, 0)) + sums if sums else hulls)
+
+
+def _most(counts: Iterable[tuple[int, ...]]) -> tuple[int, ...]:
+    """The most of each number that there is."""
+    return tuple(max(column) for column in zip(*filter(None, counts), strict=True))
 
 
 def rounded_counts(scenario: Statement) -> tuple[int, ...]:
@@ -116,7 +124,8 @@ def rounded_counts(scenario: Statement) -> tuple[int, ...]:
     """
     counts = obstacle_counts([scenario])
     plain = (rounded_up(max(counts[:3]), 16),) * 3
-    return plain + tuple(map(rounded_up, counts[3:], (4, 64, 64)))
+    more = zip(counts[3:], (4, 64, 64, 16, 64, 64), strict=False)
+    return plain + tuple(rounded_up(count, least) if count else 0 for count, least in more)
 
 
 def one_at_a_time(scenario: Statement) -> tuple[int, ...]:
@@ -139,7 +148,8 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         if payload.attachments == "hook"
         else np.asarray(payload.attachments, np.float64)
     )
-    shape = warning_shape(scenario)
+    shape, with_load = warning_shape(scenario), load_sums(scenario)
+    counts = tuple(counts or obstacle_counts([scenario]))
     bodies = Bodies(
         radius=_scalar(shape.radius),
         half_height=_scalar(shape.half_height),
@@ -147,6 +157,7 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         clearance=_scalar(limits.clearance),
         attachments=_vector(attachments),
         ends=_vector([robot.end for robot in robots]),
+        sums=pack_hulls(with_load, counts[6:] or hull_counts(with_load)),
     )
     return World(
         start=_vector(scenario.task.start),
@@ -188,6 +199,30 @@ def warning_shape(scenario: Statement) -> Shape:
     farthest = max(math.hypot(*attachment) for attachment in payload.attachments)
     wide, high = warning_half_extents(payload.radius, payload.height, turn)
     return Shape(wide, high, limits.cable_radius + attachment_motion(farthest, turn))
+
+
+def load_of(scenario: Statement) -> Polytope | None:
+    """A load with faces, level and about its centre; None where it counts as a cylinder.
+
+    It does where it is one, and where it turns, with separate attachments and fixed ends: then by
+    the cylinder around it.
+    """
+    payload = scenario.payload
+    level = payload.attachments == "hook" or moving(scenario.drive)
+    return payload.body if level else None
+
+
+def load_sums(scenario: Statement) -> list[Placed]:
+    """What the centre of a load with faces keeps out of, per convex body of every obstacle."""
+    load = load_of(scenario)
+    if load is None:
+        return []
+    found = []
+    for obstacle in scenario.obstacles:
+        for body in sums(obstacle, load):
+            away = tuple(-c for c in obstacle.center)
+            found.append(Placed(obstacle.center, 0.0, body.placed(away, 0.0)))
+    return found
 
 
 def lowest(scenario: Statement) -> tuple[float, float, float]:
@@ -252,10 +287,10 @@ def _scalar(value: float) -> np.ndarray:
     return np.array(value, np.float64)
 
 
-def _packed(scenario: Statement, counts: Sequence[int] | None) -> Obstacles:
+def _packed(scenario: Statement, counts: Sequence[int]) -> Obstacles:
     rows = _by_kind(scenario)
     plain = {kind: np.array(rows[kind]) for kind in _PLAIN}
-    return pack(**plain, counts=counts or obstacle_counts([scenario]), hulls=rows["hulls"])
+    return pack(**plain, counts=counts, hulls=rows["hulls"])
 
 
 _PLAIN = "boxes", "cylinders", "spheres"

@@ -166,6 +166,7 @@ class Body(NamedTuple):
     radius: float = 0.0  # m
     half_height: float | None = None  # m, of the load
     obstacle: Shape | GroundShape | None = None
+    load: HullShape | None = None  # about its point, of a load with faces
 
     @property
     def below(self) -> float:
@@ -176,6 +177,8 @@ class Body(NamedTuple):
         """How far the body goes beyond its points in given directions (m)."""
         if self.obstacle is not None:
             return self.obstacle.support(normals)
+        if self.load is not None:
+            return self.load.support(normals)
         if self.half_height is None:
             return np.full(len(normals), self.radius)
         level = np.hypot(normals[:, 0], normals[:, 1])

@@ -175,19 +175,29 @@ def _load(spec: Any, rigging: Rigging) -> None:
     body = spec.worldbody.add_body(name="load", pos=rigging.scenario.task.start)
     for name, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])):
         body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+    faces = payload.body
     inertia = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4 + hook**2)
+    if faces is not None:
+        inertia = payload.mass * float(faces.inertia[:2, :2].trace() / 2 + hook**2)
     stiffness = payload.mass * 9.81 * hook  # of the pendulum about the hook, N m/rad
     damping = 2 * SWING_DAMPING * np.sqrt(inertia * stiffness)
     turn = body.add_joint(name="turn", type=mujoco.mjtJoint.mjJNT_BALL)
     turn.damping = np.full(np.shape(turn.damping), damping) if np.ndim(turn.damping) else damping
-    body.add_geom(
-        name="load", type=mujoco.mjtGeom.mjGEOM_CYLINDER, rgba=_LOAD,
-        size=[payload.radius, payload.height / 2, 0],
-    )  # fmt: skip
-    across = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4)
     body.explicitinertial, body.mass = True, payload.mass
     body.ipos = payload.center_of_mass
-    body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
+    if faces is None:
+        body.add_geom(
+            name="load", type=mujoco.mjtGeom.mjGEOM_CYLINDER, rgba=_LOAD,
+            size=[payload.radius, payload.height / 2, 0],
+        )  # fmt: skip
+        across = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4)
+        body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
+    else:
+        spec.add_mesh(name="load", uservert=faces.corners.ravel())
+        kind = mujoco.mjtGeom.mjGEOM_MESH
+        body.add_geom(name="load", type=kind, meshname="load", rgba=_LOAD)
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (payload.mass * faces.inertia).tolist()
+        body.fullinertia = [xx, yy, zz, xy, xz, yz]
     dot = rigging.scenario.units.number(0.02, "m")
     for k, place in enumerate(attachments_of(rigging.scenario)):
         body.add_site(name=f"attachment {k + 1}", pos=place, size=[dot] * 3, rgba=_CABLE)

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jaxsusp._types import Float
-from jaxsusp.scenario.world import attachments_of, warning_shape
+from jaxsusp.scenario.world import attachments_of, load_of, warning_shape
 from jaxsusp.suspension.armclearance import NEAR_END
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.bodies import Body, GroundShape, named_shapes
+from jaxsusp.verify.bodies import Body, GroundShape, HullShape, named_shapes
 from jaxsusp.verify.elbow import elbow
 
 NEAR_HOOK = 0.1
@@ -75,7 +75,11 @@ class System:
         ]
         shape = warning_shape(scenario)
         center = self._point(along=1.0)
-        load = self._body("load", center, center, shape.radius, shape.half_height)
+        faces = load_of(scenario)
+        load = self._body(
+            "load", center, center, shape.radius, shape.half_height,
+            load=None if faces is None else HullShape(faces.corners),
+        )  # fmt: skip
         upper = [self._on_cable(k, 1.0) for k in cables]
         lower = [self._on_cable(k, 0.0) for k in cables]
         lines = [

@@ -59,23 +59,34 @@ def around_load(body: Polytope, radius: float, half_height: float, clear: float)
             for sign, up in ((1, clear * np.sin(tilt)), (-1, clear * np.sin(tilt)))
         ]
     )
-    return Faceted(_outer(body, reach), _inner(body, rounded))
+    return Faceted(_outer(body, reach), _hull_of(body.corners, rounded))
+
+
+def around_sum(body: Polytope, within: Points, clear: float) -> Faceted:
+    """Positions of a load that touches an obstacle: their sum, and points within it (m)."""
+    return Faceted(_outer(body, np.zeros(len(body.grown))), _hull_of(within, _ball(clear)))
 
 
 def around_cable(body: Polytope, radius: float, clear: float) -> Faceted:
     """Points at which a ball touches a polytope (m)."""
+    outer = _outer(body, np.full(len(body.grown), radius))
+    return Faceted(outer, _hull_of(body.corners, _ball(radius + clear)))
+
+
+def _ball(radius: float) -> Points:
+    """Points on a ball about the origin."""
     signs = np.array(list(np.ndindex(3, 3, 3)), float) - 1
     signs = signs[np.abs(signs).sum(axis=1) > 0]
-    ball = (radius + clear) * signs / np.linalg.norm(signs, axis=1, keepdims=True)
-    return Faceted(_outer(body, np.full(len(body.grown), radius)), _inner(body, ball))
+    return radius * signs / np.linalg.norm(signs, axis=1, keepdims=True)
 
 
 def _outer(body: Polytope, reach: np.ndarray) -> HalfSpaces:
     return HalfSpaces(body.grown, body.support(body.grown) + reach)
 
 
-def _inner(body: Polytope, around: np.ndarray) -> HalfSpaces:
-    equations = ConvexHull((body.corners[:, None] + around).reshape(-1, 3)).equations
+def _hull_of(points: Points, around: Points) -> HalfSpaces:
+    """The hull of points, each with others around it."""
+    equations = ConvexHull((points[:, None] + around).reshape(-1, 3)).equations
     equations = np.unique(equations.round(10), axis=0)  # one per face, not per triangle
     # What rounding moved out is taken back.
     return HalfSpaces(equations[:, :3], -equations[:, 3] - 1e-9)

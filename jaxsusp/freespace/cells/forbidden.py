@@ -16,13 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from jaxsusp.freespace.cells.faceted import Faceted, around_cable, around_load
+from jaxsusp.freespace.cells.faceted import Faceted, around_cable, around_load, around_sum
 from jaxsusp.freespace.polyhedra import Point
 from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.sums import inner_points, sums
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import attachments_of, lowest, warning_shape
+from jaxsusp.scenario.world import attachments_of, load_of, lowest, warning_shape
 
 SAFE = 2e-5
 """m by which a distance must fall short before it counts as short: a certificate rounds by 1e-6 m,
@@ -214,14 +215,17 @@ def forbidden_of(scenario: Scenario, cables: bool = True, steps: int = STEPS) ->
     rows = [*zip(scenario.robots, attachments_of(scenario), strict=True)]
     if moving(scenario.drive) or not cables:
         rows = []
-    faceted = {}
+    faceted, load, inside = {}, load_of(scenario), max(clear - SAFE, 0.0)
     for i, obstacle in enumerate(scenario.obstacles):
         names.append(numbered("obstacles", i, obstacle.name))
-        for bare, solid in _bare(obstacle):
-            if solid is not None:
-                inside = clear - SAFE
+        met = [] if load is None else _met(obstacle, load)
+        for part, (bare, solid) in enumerate(_bare(obstacle)):
+            if load is not None:
+                faceted[len(columns)] = around_sum(*met[part], inside)
+            elif solid is not None:
                 grown = around_load(solid, shape.radius, shape.half_height, inside)
                 faceted[len(columns)] = grown
+            if solid is not None:
                 held = around_cable(solid, shape.cable_radius, inside)
                 faceted |= {len(columns) + 1 + k: held for k in range(len(rows))}
             columns.append(bare + _at(7, shape.half_height, shape.radius, 0, clear))
@@ -233,6 +237,11 @@ def forbidden_of(scenario: Scenario, cables: bool = True, steps: int = STEPS) ->
         tuple(names), np.array(owner, int), np.array(cable, int),
         np.array(columns, np.float64).reshape(-1, _NUMBERS).T.copy(), steps, faceted,
     )  # fmt: skip
+
+
+def _met(obstacle: Any, load: Polytope) -> list[tuple[Polytope, np.ndarray]]:
+    """Sums of the bodies of an obstacle with a load, and points within each."""
+    return [*zip(sums(obstacle, load), inner_points(obstacle, load), strict=True)]
 
 
 def _bare(obstacle: Any) -> Iterator[tuple[np.ndarray, Polytope | None]]:

@@ -18,7 +18,7 @@ _UNLIMITED = ("speed", "acceleration", "jerk", "cable_speed")
 
 _IN_WORDS = {
     "ground": "at the lowest base", "joint_limits_deg": "none",
-    "pieces": "16",
+    "pieces": "16", "size": "none", "file": "none", "scale": "1", "yaw_deg": "0",
     "joint_speed_deg": "90 where arms move", **dict.fromkeys(_UNLIMITED, "none"),
 }  # fmt: skip
 """What the absence of a value means."""

@@ -49,6 +49,7 @@ def scene_of(
         "payload": {
             "radius": payload.radius,
             "height": payload.height,
+            "triangles": None if payload.body is None else triangles_of(payload.body.corners),
             "attachments": attachments_of(own),
         },
         "cableRadius": limits.cable_radius,

@@ -25,7 +25,7 @@ from jaxsusp.report.drawing.painting import (
 )
 from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import frame_plane
-from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacles, solids_of
+from jaxsusp.report.drawing.solids import Camera, Solid, of_load, of_obstacles, solids_of
 from jaxsusp.report.drawing.style import (
     INK,
     QUIET,
@@ -236,8 +236,8 @@ def _samples(ds: xr.Dataset | None, marked: bool = False) -> list[Line2D]:
 
 def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
     """Obstacles and the load at start and goal, from back to front; obstacles are numbered."""
-    unit, size = frame_of(scenario).length, (scenario.payload.radius, scenario.payload.height)
-    loads = [cylinder(place, *size) for place in (scenario.task.start, scenario.task.goal)]
+    unit, task = frame_of(scenario).length, (scenario.task.start, scenario.task.goal)
+    loads = [of_load(scenario.payload, place) for place in task]
     bodies = [*solids, *loads]
     for rank, i in enumerate(camera.back_to_front(bodies)):
         color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)

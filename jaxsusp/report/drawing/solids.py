@@ -123,6 +123,22 @@ def solids_of(obstacle: Any) -> list[Solid]:
     return [of_obstacle(obstacle)]
 
 
+def of_load(payload: Any, place: Any, turn: Any = None) -> Solid:
+    """The load with its centre at a place, level or turned about it by a rotation (3, 3)."""
+    body = payload.body
+    if body is None:
+        return cylinder(place, payload.radius, payload.height, turn)
+    turn = np.eye(3) if turn is None else np.asarray(turn, np.float64)
+    normals, place = body.normals @ turn.T, np.asarray(place, np.float64)
+    return of_polytope(
+        body._replace(
+            corners=body.corners @ turn.T + place,
+            normals=normals,
+            offsets=body.offsets + normals @ place,
+        )
+    )
+
+
 def of_polytope(body: Polytope) -> Solid:
     """A convex body, its faces with their corners in order."""
     size, faces = np.ptp(body.corners, axis=0).max(), []

@@ -15,6 +15,7 @@ from jaxsusp.report.drawing.solids import (
     Solid,
     box,
     cylinder,
+    of_load,
     of_obstacle,
     of_polytope,
     sphere,
@@ -42,8 +43,7 @@ def environment(scenario: Any, width: float = WIDTH) -> Figure:
     task = (scenario.task.start, scenario.task.goal)
     for axes, eye, _ in stages:
         for place in task:
-            load = cylinder(place, payload.radius, payload.height)
-            paint_solid(axes, eye, load, LOAD, zorder=4.5)
+            paint_solid(axes, eye, of_load(payload, place), LOAD, zorder=4.5)
         for obstacle in scenario.obstacles:
             for solid in grown(obstacle, clear):
                 paint_solid(axes, eye, solid, WARNING, alpha=0.3, zorder=3.4, rim=0.9)

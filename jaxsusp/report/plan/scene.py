@@ -21,7 +21,7 @@ from jaxsusp.report.drawing.painting import (
 from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import count_from
 from jaxsusp.report.drawing.scene import LOAD, STONE, best_view
-from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacles
+from jaxsusp.report.drawing.solids import Camera, Solid, of_load, of_obstacles
 from jaxsusp.report.drawing.style import (
     CABLES,
     INK,
@@ -159,7 +159,7 @@ def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills:
     """Obstacles and the load's poses, from back to front."""
     payload, unit = plan.scenario.payload, plan.scenario.units.length
     loads = [
-        cylinder(center, payload.radius, payload.height, turn)
+        of_load(payload, center, turn)
         for center, turn in zip(stills.center, stills.posture, strict=True)
     ]
     bodies = [*solids, *loads]
