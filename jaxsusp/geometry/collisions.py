@@ -144,7 +144,7 @@ def held_against(
     bodies: Bodies,
     cables: Sequence["SweptCable"],
     tests: SweptTests,
-) -> list[Array | None]:
+) -> Iterator[Array | None]:
     """What the tests tell of the load, then of every cable, and an obstacle.
 
     Where the load has sums with obstacles, those tell of it, and the obstacles of cables alone:
@@ -152,11 +152,10 @@ def held_against(
     """
     if kind == SUMS:
         start, stop = obstacle.to_own_frame(motion.start), obstacle.to_own_frame(motion.stop)
-        return [tests.faces(start, stop, obstacle.faces, lambda normal: bodies.clearance)]
-    found: list[Array | None] = [*HELD_AGAINST[kind](obstacle, motion, bodies, cables, tests)]
-    if bodies.sums is not None:
-        found[0] = None
-    return found
+        yield tests.faces(start, stop, obstacle.faces, lambda normal: bodies.clearance)
+        return
+    for number, found in enumerate(HELD_AGAINST[kind](obstacle, motion, bodies, cables, tests)):
+        yield None if number == 0 and bodies.sums is not None else found
 
 
 def with_margin(bodies: Bodies, dtype) -> Bodies:

@@ -129,10 +129,11 @@ def _counted(kind: str, obstacle: Any, moving: _Moving, still: _Still) -> Array:
     motion, bodies = Motion.between(before, after), still.bodies  # beside the cables' axis
     cables = _all_cables(moving, bodies)
     depths = held_against(kind, obstacle, motion, bodies, cables, DEPTHS)
-    told = [depth for depth in depths if depth is not None]
+    told = (depth for depth in depths if depth is not None)
     amounts = [charge(depth / still.unit, still.band).sum(axis=0) for depth in told]
-    nothing = jnp.zeros(moving.start.x.shape, moving.start.x.dtype)
-    return functools.reduce(jnp.add, amounts, *() if amounts else (nothing,))
+    if not amounts:  # nothing but the load, which its sums tell of
+        return jnp.zeros(moving.start.x.shape, moving.start.x.dtype)
+    return functools.reduce(jnp.add, amounts)
 
 
 def _all_cables(moving: _Moving, bodies: Bodies) -> tuple[SweptCable, ...]:

@@ -1,10 +1,10 @@
 """A concave mesh as convex pieces: approximate convex decomposition by CoACD (Wei et al., 2022).
 
 CoACD cuts a closed mesh until what the hulls of its parts add is small, and puts the hulls back
-together while they may be. Its pieces leave slits, about 1e-4 of the size, where it cut; ours are a
-little larger, `GROWN`, and it is proved that they hold the surface: every triangle is divided until
-each part has its corners in one piece, which is convex and so holds all of it. The same mesh gives
-the same pieces, which are kept for the next time (`jaxsusp cache`).
+together while they may be. Its pieces leave slits, about 1e-4 of the size, where it cut; ours are
+larger by the first of `GROWN` with which it is proved that they hold the surface: every triangle is
+divided until each part has its corners in one piece, which is convex and so holds all of it. The
+same mesh gives the same pieces, which are kept for the next time (`jaxsusp cache`).
 """
 
 import functools
@@ -34,7 +34,8 @@ TRIANGLES = 200_000
 """Most triangles that are divided into pieces: more take minutes."""
 
 GROWN = (0.0, 0.001, 0.002, 0.005, 0.01, 0.02)
-"""Shares of its size by which the pieces of a part are larger on every side: the first that does."""
+"""Shares of its size by which the pieces of a part are larger on every side: the first that will
+do."""
 
 CONCAVITY = 0.05
 """CoACD's threshold: how far a hull may be off its part, as it measures that."""
@@ -103,7 +104,7 @@ def _kept_or_made(whole: Surface, pieces: int) -> list[list[np.ndarray]]:
     file = folder / f"{digest.hexdigest()[:32]}.npz" if folder else None
     if file and file.is_file():
         with suppress(OSError, ValueError, KeyError), np.load(file) as kept:
-            found = [kept[name] for name in sorted(kept.files, key=int)]
+            found = [kept[f"arr_{i}"] for i in range(len(kept.files))]
             counts, rest = found[0], iter(found[1:])
             used(file)
             return [[next(rest) for _ in range(count)] for count in counts.tolist()]
@@ -113,7 +114,7 @@ def _kept_or_made(whole: Surface, pieces: int) -> list[list[np.ndarray]]:
             file.parent.mkdir(parents=True, exist_ok=True)
             arrays = [np.array([len(part) for part in made]), *(c for part in made for c in part)]
             with atomic_path(file) as scratch, open(scratch, "wb") as stream:
-                np.savez(stream, **{str(i): array for i, array in enumerate(arrays)})
+                np.savez(stream, *arrays)
             drop_oldest(file.parent)
     return made
 
@@ -150,7 +151,7 @@ def _divided(part: Surface, most: int) -> list[np.ndarray]:
 @contextmanager
 def _one_thread(coacd: Any) -> Iterator[None]:
     """Threads would draw from CoACD's one random generator in any order."""
-    openmp = getattr(coacd, "_lib", None)
+    openmp: Any = getattr(coacd, "_lib", None)
     known = hasattr(openmp, "omp_set_num_threads") and hasattr(openmp, "omp_get_max_threads")
     before = openmp.omp_get_max_threads() if known else 0
     if known:

@@ -24,14 +24,14 @@ class Faces(NamedTuple):
 
     normal: Vec3
     offset: Float[Array, "faces"]
-    count: Int[Array, ""]  # those that are there
+    number: Int[Array, ""]  # those that are there
 
 
 class Corners(NamedTuple):
     """Corners of a convex body, padded with one of them (m)."""
 
     place: Vec3
-    count: Int[Array, ""]
+    number: Int[Array, ""]
 
 
 Grown = Callable[[Vec3], Array]
@@ -129,7 +129,7 @@ def segment_meets_faces(a: Vec3, b: Vec3, faces: Faces, grown: Grown) -> Bool[Ar
             jnp.where(inwards, leave, jnp.minimum(leave, t)),
         )
 
-    enter, leave = jax.lax.fori_loop(0, faces.count, cut, (none, all_))
+    enter, leave = jax.lax.fori_loop(0, faces.number, cut, (none, all_))
     return ~(enter > leave)
 
 
@@ -148,7 +148,7 @@ def span_of_corners(normal: Vec3, point: Vec3, corners: Corners) -> tuple[Array,
         at = dot(normal, component(corners.place, i) - point)
         return jnp.minimum(span[0], at), jnp.maximum(span[1], at)
 
-    return jax.lax.fori_loop(1, corners.count, wider, (first, first))
+    return jax.lax.fori_loop(1, corners.number, wider, (first, first))
 
 
 class SweptTests(NamedTuple):
