@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.planning import planning_rows
+from benchmarks.roofline import roofline
 from benchmarks.steps import evaluations_only
 from benchmarks.timing import least_seconds, run_process
 from jaxsusp.comparison.workunit import Group, stack_scenarios
@@ -93,12 +94,15 @@ def main() -> None:
 
     chosen = [load_scenario(name) for name in scenarios()]
     (group,) = stack_scenarios(chosen, 5, 40, "box")
-    largest = jax.tree.map(jnp.asarray, Problem.from_scenario(chosen[-1], dtype=np.float32))
-    numbers: dict = {"fitness_us": 1e6 * fitness_per_candidate(largest)}
+    largest = Problem.from_scenario(chosen[-1], dtype=np.float32)
+    numbers: dict = {"fitness_us": 1e6 * fitness_per_candidate(jax.tree.map(jnp.asarray, largest))}
     console.print(
         f"fitness, population of {RUNS * POPULATION}, ten obstacles: "
         f"{numbers['fitness_us']:.2f} µs per candidate (target 2)"
     )
+    limit = roofline(largest, RUNS * POPULATION, numbers["fitness_us"] / 1e6)
+    numbers["roofline"] = limit._asdict() | {"bound_us": 1e6 * limit.bound}
+    console.print(str(limit))
 
     numbers["optimisers"] = optimiser_rows(group)
     table = Table("algorithm", "compile", "run", "per evaluation", "beyond fitness", box=None)

@@ -45,13 +45,25 @@ class Artefacts:
         head = _REMARK + json.dumps(told)
         write_text(self.folder / f"{name}.csv", f"{head}\n{data.to_csv(index=False)}")
 
-    def comparison(self, *names: str) -> xr.Dataset:
+    def comparison(self, *names: str, **needs: Sequence[str]) -> xr.Dataset:
         """One comparison, or several of equal settings as one.
 
+        Args:
+            *names: without suffix.
+            **needs: what a page cannot do without: names along "scenario" or "algorithm".
+
         Raises:
-            InputError: one is missing, or two differ in a setting or version.
+            InputError: one is missing, two differ in a setting or version, or what a page needs
+                is not in it.
         """
-        return load_together([self._there(f"{name}.nc") for name in names])
+        ds = load_together([self._there(f"{name}.nc") for name in names])
+        for dim, needed in needs.items():
+            if lacking := [each for each in needed if each not in ds[dim].values]:
+                raise InputError(
+                    f"{', '.join(names)}: holds no {dim} {', '.join(lacking)}, of which this page "
+                    f"tells; {self._maker(names)} makes it"
+                )
+        return ds
 
     def dataset(self, name: str) -> xr.Dataset:
         """A dataset that is no comparison."""
@@ -98,8 +110,11 @@ class Artefacts:
     def _there(self, file: str) -> Path:
         path = self.folder / file
         if not path.exists():
-            from experiments.contents import making  # which imports this module
-
-            command = making([path.stem]) or "`python -m experiments make` (all of it)"
-            raise InputError(f"{path}: is not there; {command} makes it")
+            raise InputError(f"{path}: is not there; {self._maker([path.stem])} makes it")
         return path
+
+    @staticmethod
+    def _maker(names: Sequence[str]) -> str:
+        from experiments.contents import making  # which imports this module
+
+        return making(names) or "`python -m experiments make` (all of it)"

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from jaxsusp.report.comparison.gaps import clear_runs
-from jaxsusp.studies.resampling import crossed_interval
+from jaxsusp.studies.resampling import crossed_interval, logarithm, mean_of
 
 
 class Change(NamedTuple):
@@ -26,10 +26,22 @@ def fitness_change(one: xr.Dataset, other: xr.Dataset) -> Change:
     """Change of the geometric mean of the fitness from one to the other in %.
 
     Both are of one algorithm, (scenario, run). A run is paired with that of the same number, which
-    has the same key; the interval is for these scenarios and other runs.
+    has the same key; the interval is for these scenarios and other runs. Pairs of which one found
+    nothing are left out.
     """
-    pair = [np.log(ds["fitness"].transpose("scenario", "run").values) for ds in (one, other)]
+    pair = [logarithm(ds["fitness"].transpose("scenario", "run").values) for ds in (one, other)]
     return Change(*(100 * np.expm1(_change(*pair))).tolist())
+
+
+def found_nothing(*sets: xr.Dataset) -> str:
+    """A sentence on runs without a finite fitness; "" where there are none."""
+    finite = np.concatenate([np.isfinite(ds["fitness"].values).ravel() for ds in sets])
+    if finite.all():
+        return ""
+    return (
+        f"{(~finite).sum()} of {finite.size} runs found nothing: they rank last, and are left out "
+        "where fitness is averaged."
+    )
 
 
 def clear_change(one: xr.Dataset, other: xr.Dataset) -> Change:
@@ -41,4 +53,4 @@ def clear_change(one: xr.Dataset, other: xr.Dataset) -> Change:
 def _change(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Mean and interval of what changes."""
     by_run = other - one
-    return np.array([by_run.mean(), *crossed_interval(by_run, scenes_vary=False)])
+    return np.array([mean_of(by_run), *crossed_interval(by_run, scenes_vary=False)])

@@ -26,7 +26,7 @@ KINDS = {
 }
 """Folders, and what is in them."""
 
-_OURS = re.compile(r"[0-9a-f]{32}\.(nc|npz)|jit_.*-(cache|atime)")
+_OURS = re.compile(r"[0-9a-f]{32}\.(nc|npz|program)|jit_.*-(cache|atime)")
 """Names of files that are kept; nothing else is ever removed."""
 
 LIMIT = 2**30

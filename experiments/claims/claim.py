@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+import jaxsusp as js
 from experiments.artefacts import Artefacts
 from jaxsusp.optim.choices import PUBLISHED
 from jaxsusp.report.comparison import paper
@@ -66,7 +67,7 @@ class Evidence(NamedTuple):
     @classmethod
     def of(cls, artefacts: Artefacts) -> "Evidence":
         """The evidence that is kept; of the comparison, the four published algorithms."""
-        runs = artefacts.comparison("comparison")
+        runs = artefacts.comparison("comparison", scenario=js.scenarios(), algorithm=[*PUBLISHED])
         runs = runs.sel(algorithm=[*PUBLISHED])
         ours = summary(runs)
         # One time is measured for all scenarios; every one of them has its share.

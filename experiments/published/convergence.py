@@ -24,7 +24,7 @@ SCENARIO = "scenario-1"
 
 def draw(artefacts: Artefacts) -> Page:
     """Curves, and points of all runs."""
-    ds = paper.of_the_paper(artefacts.comparison("comparison"))
+    ds = paper.of_the_paper(artefacts.comparison("comparison", scenario=[SCENARIO]))
     curves, least = average_convergence(ds, SCENARIO), minima(ds, SCENARIO)
     curves.set_label(
         f"Fig. 11: {SCENARIO}, best fitness so far, mean of {runs_made(ds)}, against iterations "

@@ -27,7 +27,7 @@ SCENARIO = "scenario-1"
 
 def draw(artefacts: Artefacts) -> Page:
     """Twelve panels, and the greatest values."""
-    ds = paper.of_the_paper(artefacts.comparison("comparison"))
+    ds = paper.of_the_paper(artefacts.comparison("comparison", scenario=[SCENARIO]))
     found = {name: best_plan(ds, SCENARIO, name) for name in ds["algorithm"].values.tolist()}
     plans = {name: plan for name, plan in found.items() if plan is not None}
     figure = motions({name: plan.law for name, plan in plans.items()})

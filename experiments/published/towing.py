@@ -30,11 +30,10 @@ PRINTED_TENSIONS = (1.5928, 96.5688)
 
 def draw(artefacts: Artefacts) -> Page:
     """The system in its room, and the cables over time."""
-    ds = artefacts.comparison("comparison")
-    there = ALGORITHM in ds["algorithm"].values
-    plan = best_plan(ds, SCENARIO, ALGORITHM) if there else None
+    ds = artefacts.comparison("comparison", scenario=[SCENARIO], algorithm=[ALGORITHM])
+    plan = best_plan(ds, SCENARIO, ALGORITHM)
     if plan is None:
-        raise InputError(f"comparison: has no run of {ALGORITHM} on {SCENARIO}; make it with one")
+        raise InputError(f"comparison: no run of {ALGORITHM} on {SCENARIO} found anything")
     way, cables = scene(plan, PAGE), figures.cables(plan, PAGE)
     way.set_label("Fig. 9: the load in nine poses of its way, the cables in each, and the robots.")
     cables.set_label("Fig. 10: length and tension of every cable with their limits.")

@@ -27,7 +27,7 @@ DIFFERS = (
     "by itself, in all sixteen combinations: none of them is DBO, all of them are SDBO."
 )
 MADE = READ = ("ablation_six", "ablation_random")
-MINUTES = 30.0
+MINUTES = 20.0
 WAYPOINTS, SAMPLES, SEARCH = 5, 40, "free-space"
 
 
@@ -35,9 +35,9 @@ class Settings(NamedTuple):
     """Sixteen variants on all scenes, twice: as many iterations, as many evaluations."""
 
     scenarios: tuple[str, ...] = js.scenarios()
-    runs: int = 9  # on each of them
+    runs: int = 6  # on each of them
     random: int = 50  # random scenes beside them
-    runs_of_random: int = 3
+    runs_of_random: int = 2
     iterations: int = 500
     population: int = 30
     seed: int = 0

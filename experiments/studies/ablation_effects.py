@@ -10,13 +10,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 from scipy.stats import rankdata
 
+from experiments.changes import found_nothing
 from experiments.words import between, bulleted, counted, listed, signed
 from jaxsusp.report.drawing.intervals import Estimates, Look, rows_of_intervals
 from jaxsusp.report.drawing.style import legend, panels, picture
 from jaxsusp.report.render import Column, plain, significant, two_decimals
 from jaxsusp.studies.ablation import VARIANTS, Switches
 from jaxsusp.studies.factorial import effect
-from jaxsusp.studies.resampling import crossed_interval
+from jaxsusp.studies.resampling import crossed_interval, last, logarithm, mean_of
 
 BUDGETS = ("iterations", "evaluations")
 FACTORS = Switches._fields
@@ -43,8 +44,8 @@ def measured(ds: xr.Dataset) -> dict[str, np.ndarray]:
     fitness = ds["fitness"].transpose(*order).values
     faults = (ds["collisions"] + ds["violations"]).transpose(*order).values
     return {
-        "rank": rankdata(fitness, axis=-1),
-        "fitness": np.log(fitness),
+        "rank": rankdata(last(fitness), axis=-1),
+        "fitness": logarithm(fitness),
         "clear": 100.0 * (faults == 0),
     }
 
@@ -60,7 +61,7 @@ def effects_of(sets: dict[str, xr.Dataset]) -> pd.DataFrame:
                 for measure, each in values.items():
                     cells = of(each)
                     low, high = crossed_interval(cells, scenes_vary=name == "random")
-                    found = np.array([cells.mean(), low, high])
+                    found = np.array([mean_of(cells), low, high])
                     found = 100 * np.expm1(found) if measure == "fitness" else found
                     keys = (measure, f"{measure}_low", f"{measure}_high")
                     row |= dict(zip(keys, found.tolist(), strict=True))
@@ -127,7 +128,7 @@ def variant_table(sets: dict[str, xr.Dataset]) -> pd.DataFrame:
                 row |= {
                     f"{budget}_spent": int(spent.flat[0]),
                     f"{budget}_rank": each["rank"][..., i].mean(),
-                    f"{budget}_fitness": np.exp(each["fitness"][..., i].mean()),
+                    f"{budget}_fitness": np.exp(mean_of(each["fitness"][..., i])),
                     f"{budget}_clear": each["clear"][..., i].mean(),
                 }
             rows.append(row)
@@ -223,6 +224,7 @@ def findings(found: pd.DataFrame, sets: dict[str, xr.Dataset]) -> str:
         *said,
         f"Evaluations at equal iterations are what {listed(dear)} cost.",
         _pairs(found),
+        found_nothing(*sets.values()),
         "Intervals are 95 % each, not corrected for their number.",
     )
 

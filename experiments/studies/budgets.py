@@ -13,6 +13,7 @@ from scipy.stats import kendalltau
 
 import jaxsusp as js
 from experiments.artefacts import Artefacts
+from experiments.changes import found_nothing
 from experiments.contents import Page, Work
 from experiments.ends import ends
 from experiments.words import bulleted, counted, listed
@@ -245,7 +246,7 @@ def findings(ds: xr.Dataset, frame: pd.DataFrame, ranks: dict[str, np.ndarray]) 
     )
     moved = [text for budget in others for text in moves(frame, ranks, names, base, budget)]
     said.append(f"Mean ranks that surely change: {listed(moved)}.")
-    return bulleted(answer, *said)
+    return bulleted(answer, *said, found_nothing(ds))
 
 
 def _first(order: list[str], names: list[str], ranks: np.ndarray) -> tuple[str, ...]:

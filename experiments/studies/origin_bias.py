@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from experiments.changes import Change, fitness_change
+from experiments.changes import Change, fitness_change, found_nothing
 from experiments.words import between, bulleted, listed, signed
 from jaxsusp.report.comparison.gaps import clear_runs
 from jaxsusp.report.drawing.style import (
@@ -20,7 +20,7 @@ from jaxsusp.report.drawing.style import (
 )
 from jaxsusp.report.render import Column, significant
 from jaxsusp.studies.classical import CASES
-from jaxsusp.studies.resampling import crossed_interval
+from jaxsusp.studies.resampling import crossed_interval, mean_of
 
 FLOOR = 1e-16
 """Errors below count as this."""
@@ -62,14 +62,15 @@ def alike(tasks: xr.Dataset) -> dict[str, float]:
 
 def decades(functions: xr.Dataset) -> xr.DataArray:
     """Decimal logarithm of the error of every run."""
-    return np.log10(np.maximum(functions["fitness"], FLOOR))
+    there = functions["fitness"].where(np.isfinite(functions["fitness"]))
+    return np.log10(np.maximum(there, FLOOR))
 
 
 def lost(functions: xr.Dataset, name: str, one: str, other: str) -> Change:
     """Decades of the error that an algorithm loses from one case to another."""
     error = decades(functions).sel(algorithm=name).transpose("case", "function", "run")
     by_run = (error.sel(case=other) - error.sel(case=one)).values
-    return Change(by_run.mean(), *crossed_interval(by_run, scenes_vary=False).tolist())
+    return Change(mean_of(by_run), *crossed_interval(by_run, scenes_vary=False).tolist())
 
 
 def figure(changes: Changes, functions: xr.Dataset) -> Figure:
@@ -205,8 +206,6 @@ def findings(tasks: xr.Dataset, changes: Changes, functions: xr.Dataset) -> str:
         said.append(f"Where {told}, {_losers(losses)}.")
     error = decades(functions).mean(("function", "run"))
     best = {case: str(error.sel(case=case).idxmin("algorithm").item()) for case in CASES}
-    error = decades(functions).mean(("function", "run"))
-    best = {case: str(error.sel(case=case).idxmin("algorithm").item()) for case in CASES}
     first = "; ".join(f"{case}, {label(name)}" for case, name in best.items())
     said.append(f"Who has the least mean error of functions: {first}.")
     answer = (
@@ -215,7 +214,7 @@ def findings(tasks: xr.Dataset, changes: Changes, functions: xr.Dataset) -> str:
         "well; no task is solved surely worse where it lies elsewhere"
         + _worse([name for name in names if changes[name, farthest].sure > 0])
     )
-    return bulleted(answer, *said)
+    return bulleted(answer, *said, found_nothing(tasks, functions))
 
 
 def _moved(name: str, changes: Changes, same: float, farthest: float) -> str:

@@ -32,7 +32,7 @@ DIFFERS = (
     "much to luck?"
 )
 MADE = READ = ("sensitivity",)
-MINUTES = 12.0
+MINUTES = 6.0
 
 WEIGHTS = ("w1", "w2", "w3", "w4", "w5")
 FACTORS = ("population", "waypoints", "samples", *WEIGHTS, "kappa", "luck")
@@ -50,7 +50,7 @@ class Settings(NamedTuple):
     waypoints: tuple[int, ...] = (3, 5, 8)
     samples: tuple[int, ...] = (20, 40, 80)
     spread: float = 10.0
-    base: int = 64  # N of the design: (factors + 2) N settings are run
+    base: int = 32  # N of the design: (factors + 2) N settings are run
     runs: int = 4  # of every setting
     iterations: int = 200
     together: int = 16  # settings in a batch

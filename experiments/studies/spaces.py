@@ -2,7 +2,6 @@
 
 import json
 import time
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 
 import jaxsusp as js
 from experiments.artefacts import Artefacts
-from experiments.changes import Change, clear_change, fitness_change
+from experiments.changes import Change, clear_change, fitness_change, found_nothing
 from experiments.contents import Page, Work
 from experiments.ends import ends, telling
 from experiments.studies import budgets
@@ -36,22 +35,11 @@ MADE = READ = ("spaces",)
 MINUTES = 4.0
 
 
-class Settings(NamedTuple):
-    """Of `jaxsusp.compare`."""
-
-    scenarios: tuple[str, ...] = js.scenarios()
-    algorithms: tuple[str, ...] = tuple(js.ALGORITHMS)
-    runs: int = 20
-    iterations: int = 500
-    population: int = 30
-    seed: int = 0
+FULL, MINIATURE = budgets.FULL, budgets.MINIATURE
+"""What is compared with data made for budgets has their settings."""
 
 
-FULL = Settings()
-MINIATURE = Settings(("scenario-1",), ("pso", "sdbo", "sdbo-task"), 2, 20)
-
-
-def make(settings: Settings, work: Work) -> None:
+def make(settings: budgets.Settings, work: Work) -> None:
     """The paper's rule; the others are there, in what was made for other pages."""
     there = {
         "free-space": same(
@@ -70,7 +58,7 @@ def make(settings: Settings, work: Work) -> None:
     work.artefacts.keep("spaces", found.assign(timed(settings, work)))
 
 
-def same(settings: Settings, ds: xr.Dataset, name: str, **part: object) -> xr.Dataset:
+def same(settings: budgets.Settings, ds: xr.Dataset, name: str, **part: object) -> xr.Dataset:
     """A part of what was made for another page.
 
     Raises:
@@ -85,7 +73,7 @@ def same(settings: Settings, ds: xr.Dataset, name: str, **part: object) -> xr.Da
     return ds.sel(part).drop_vars([*part])
 
 
-def timed(settings: Settings, work: Work) -> dict[str, xr.Variable]:
+def timed(settings: budgets.Settings, work: Work) -> dict[str, xr.Variable]:
     """Seconds of a run's share of its batch, and of every free space, nothing taken from a cache.
 
     The quickest of several parts of a run counts: whatever else the machine does can only delay.
@@ -280,4 +268,5 @@ def findings(ds: xr.Dataset, changes: Changes) -> str:
         "were measured while the machine had other work: whether a run in the free space takes "
         "longer than one in the box they do not tell."
     )
-    return " ".join(said)
+    said.append(found_nothing(ds))
+    return " ".join(said).strip()

@@ -99,7 +99,7 @@ def compare(
     Raises:
         InputError: bad settings, a folder that cannot be written or that another process writes
             to, or finished runs that were made with other settings. Nothing has been written then.
-        ClusterError: no scheduler or worker is there, or none any more; finished chunks are kept.
+            Or no scheduler or worker is there, or none any more: finished chunks are kept.
     """
     require_counts(runs=runs, iterations=iterations, population=population)
     require_seed(seed)

@@ -20,6 +20,7 @@ from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, Optimizer
 from jaxsusp.optim.host import Evaluate, HostBatch, run_on_host, time_on_host
 from jaxsusp.optim.loop import Progress, advance, begin, run_key
 from jaxsusp.optim.outcome import Outcome
+from jaxsusp.optim.programs import at_hand
 from jaxsusp.problem.problem import Problem
 
 ONCE = {"xla_backend_optimization_level": 1}
@@ -134,12 +135,22 @@ def _launched(
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         arguments = (jax.tree.map(jnp.asarray, problems), optimizer, keys)
-        start, advance_all = _programs(tuple(devices), population, iterations, room)
+        sizes = population, iterations, room
+        start, advance_all = _programs(tuple(devices), *sizes)
+        begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
+        advanced = at_hand(
+            advance_all, devices, *arguments, begun, *_span(1, 1), part="go", sizes=sizes
+        )
 
         def go(progress: Progress, first: int, stop: int) -> Progress:
-            return jax.block_until_ready(advance_all(*arguments, progress, first, stop))
+            return jax.block_until_ready(advanced(*arguments, progress, *_span(first, stop)))
 
-        yield go, go(start(*arguments), 1, 1)  # compiles, runs nothing
+        yield go, go(begun, 1, 1)  # runs nothing
+
+
+def _span(first: int, stop: int) -> tuple[Array, Array]:
+    """Iterations as arguments of a compiled program, whose values do not belong to it."""
+    return jnp.int32(first), jnp.int32(stop)
 
 
 @functools.lru_cache(maxsize=64)

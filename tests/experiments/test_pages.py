@@ -3,7 +3,9 @@
 import itertools
 import re
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from experiments import contents, pages
 from experiments.__main__ import parts_of
@@ -95,3 +97,35 @@ def test_what_is_read_is_made_before():
         found = contents.module(name)
         made |= {*found.MADE}
         assert {*found.READ} <= made, name
+
+
+class Holed(Artefacts):
+    """What is kept, but the first run of everything found nothing."""
+
+    def dataset(self, name):
+        ds = super().dataset(name).copy(deep=True)
+        ds["fitness"][dict.fromkeys(ds["fitness"].dims, 0)] = np.inf
+        return ds
+
+
+@pytest.mark.parametrize("name", ["ablation", "budgets", "origin", "spaces"])
+def test_a_run_that_found_nothing_empties_no_sentence(name):
+    text = contents.module(f"studies.{name}").draw(Holed()).findings
+    assert "found nothing" in text
+    assert not re.search(r"[+−]–|\bnan\b|\binf\b", text)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["claims.ledger", *(f"published.{each}" for each in ("convergence", "motion", "towing"))],
+)
+def test_a_page_says_what_its_comparison_lacks(name, tmp_path):
+    for each in {*contents.module(name).READ}:
+        for file in Artefacts().folder.glob(f"{each}.*"):
+            (tmp_path / file.name).write_bytes(file.read_bytes())
+    ds = xr.load_dataset(tmp_path / "comparison.nc", engine="h5netcdf")
+    ds.isel(scenario=slice(1, None)).to_netcdf(tmp_path / "comparison.nc", engine="h5netcdf")
+    with pytest.raises(
+        InputError, match=r"holds no scenario scenario-1.*make published\.comparison"
+    ):
+        contents.module(name).draw(Artefacts(tmp_path))

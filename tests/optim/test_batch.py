@@ -6,7 +6,7 @@ import pytest
 
 import jaxsusp as js
 from jaxsusp.comparison.workunit import stack_scenarios
-from jaxsusp.optim import batch
+from jaxsusp.optim import batch, programs
 from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.loop import run_key
 from jaxsusp.optim.registry import algorithm
@@ -26,6 +26,12 @@ def stacked(scenarios, search="free-space"):
     return group.problems
 
 
+@pytest.fixture
+def traced(monkeypatch):
+    """Programs are traced and compiled by this process, and counted by JAX."""
+    monkeypatch.setattr(programs, "kept_in", lambda: None)
+
+
 @pytest.mark.parametrize("name", ["pso", "sdbo"])
 def test_a_run_does_not_depend_on_what_shares_the_batch(scenarios, name):
     """Fewer runs, another order, one device instead of two, one scenario instead of two."""
@@ -39,7 +45,7 @@ def test_a_run_does_not_depend_on_what_shares_the_batch(scenarios, name):
     assert np.isfinite(both.history).all()
 
 
-def test_runs_of_different_lengths_share_a_program_with_room_for_both(scenarios):
+def test_runs_of_different_lengths_share_a_program_with_room_for_both(scenarios, traced):
     """A shorter run is one that stops; what it finds is what it finds in a program of its own."""
     problems = stacked([scenarios[0], scenarios[2]])
     whole = run_batch(problems, algorithm("pso"), 0, range(4), **SIZES)
@@ -52,7 +58,7 @@ def test_runs_of_different_lengths_share_a_program_with_room_for_both(scenarios)
     assert (short.history[..., 0] == whole.history[..., 0]).all(), "inertia begins alike"
 
 
-def test_one_compilation_serves_all_six_scenarios(scenarios):
+def test_one_compilation_serves_all_six_scenarios(scenarios, traced):
     """Stacked or one after the other, scenarios of one shape never compile twice."""
     traces = []
 

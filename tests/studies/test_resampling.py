@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jaxsusp.studies.resampling import crossed_interval, resampled_ranks
+from jaxsusp.studies.resampling import (
+    crossed_interval,
+    last,
+    logarithm,
+    mean_of,
+    resampled_ranks,
+)
 
 pytestmark = pytest.mark.fast
 
@@ -48,3 +54,36 @@ def test_ranks_of_equal_algorithms_are_now_this_now_that():
     found = resampled_ranks(xr.Dataset({"fitness": (("scenario", "algorithm", "run"), fitness)}))
     np.testing.assert_allclose(found.sum(axis=1), 3)
     assert len(np.unique(found[:, 0])) > 1
+
+
+def comparison(fitness: np.ndarray) -> xr.Dataset:
+    return xr.Dataset({"fitness": (("scenario", "algorithm", "run"), fitness)})
+
+
+def test_a_run_is_drawn_with_its_number_in_all_scenarios():
+    """Two scenarios that repeat each other have the ranks of one: no draw tells them apart."""
+    one = np.random.default_rng(0).normal(size=(1, 3, 8))
+    twice = resampled_ranks(comparison(np.concatenate([one, one])))
+    np.testing.assert_array_equal(twice, resampled_ranks(comparison(one)))
+
+
+@pytest.mark.parametrize("nothing", [np.nan, np.inf])
+def test_a_run_that_found_nothing_ranks_last_and_leaves_the_others_ranked(nothing):
+    fitness = np.arange(10.0) + 100 * np.array([2, 0, 1])[None, :, None] + np.zeros((4, 1, 1))
+    fitness[0, 1] = nothing
+    found = resampled_ranks(comparison(fitness), resamples=50)
+    np.testing.assert_array_equal(found, np.tile([(3 * 3 + 2) / 4, 6 / 4, 7 / 4], (50, 1)))
+
+
+def test_cells_without_a_number_are_left_out_of_an_interval():
+    """As if they had been drawn from the others; of nothing there is no interval."""
+    values = np.random.default_rng(3).normal(size=(40, 12))
+    whole = crossed_interval(values, True)
+    holed = values.copy()
+    holed[0, 0], holed[7, 3] = np.nan, np.inf
+    np.testing.assert_allclose(crossed_interval(holed, True), whole, atol=0.02)
+    assert np.isnan(crossed_interval(np.full((3, 4), np.nan), True)).all()
+    np.testing.assert_allclose(mean_of(holed), holed[np.isfinite(holed)].mean())
+    assert np.isnan(mean_of(np.full(3, np.inf)))
+    np.testing.assert_array_equal(last(np.array([1.0, np.nan])), [1, np.inf])
+    np.testing.assert_array_equal(logarithm(np.array([1.0, np.inf, np.nan])), [0, np.nan, np.nan])

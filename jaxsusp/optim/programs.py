@@ -1,0 +1,165 @@
+"""Compiled programs that the next process need not trace again.
+
+What XLA compiles, JAX keeps; what leads there, tracing a search and lowering it, takes each process
+longer than the search itself. Where compiled programs are kept at all (see `devices.configure`),
+ours are kept whole: known by what they are called with, by the code of the package, by JAX and by
+the machine. A search with functions or types that are not the package's own is traced as ever,
+since nothing tells when they change.
+"""
+
+import dataclasses
+import functools
+import hashlib
+import inspect
+import os
+import pickle
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+import jax
+import numpy as np
+from jax.experimental import serialize_executable
+from jax.tree_util import Partial
+
+from jaxsusp._cache import code_digest, used
+from jaxsusp._files import atomic_path
+from jaxsusp.optim.devices import instruction_set
+
+SUFFIX = ".program"
+
+_APART = {"xla_embed_ir_in_executable": False}
+"""Stated though it is XLA's default: programs that JAX has kept otherwise are other ones."""
+
+_WORTH = "jax_persistent_cache_min_compile_time_secs"
+
+_SWITCHES = ("jax_threefry_partitionable", "jax_default_matmul_precision", "jax_debug_nans")
+"""Of JAX, that change what a program computes. Whether it may use 64 bits its arguments tell."""
+
+_Found = TypeVar("_Found")
+
+
+def at_hand(
+    program: Callable[..., _Found], devices: Sequence[Any], *arguments: Any, **fixed: Any
+) -> Callable[..., _Found]:
+    """The compiled form of a program for arguments of such shapes, kept or compiled now.
+
+    Args:
+        program: what `jax.jit` gave.
+        devices: those that it runs on.
+        *arguments: what it will be called with; numbers among them may not change.
+        **fixed: what else the program was made for.
+
+    Returns:
+        What is to be called with arguments like these: `program` itself where nothing is kept.
+    """
+    folder = kept_in()
+    if folder is None:
+        return program
+    try:
+        known = described((arguments, fixed))
+    except _ForeignError:
+        return program
+    file = folder / f"{_digest(known, devices)}{SUFFIX}"
+    place = _place_of(file)
+    if not place:
+        place.append(_made(file, program, devices, arguments))
+    return place[0]
+
+
+def kept_in() -> Path | None:
+    """The folder in which JAX keeps what is compiled for CPUs; None where it does not."""
+    folder = getattr(jax.config, "jax_compilation_cache_dir", None)
+    return Path(folder) if folder and jax.default_backend() == "cpu" else None
+
+
+@functools.lru_cache(maxsize=64)
+def _place_of(file: Path) -> list[Callable]:
+    """Where a process holds a program that it has, or will have."""
+    del file
+    return []
+
+
+def _made(file: Path, program: Any, devices: Sequence, arguments: tuple) -> Callable:
+    with suppress(Exception):  # not there, cut short, of a machine that only seems the same
+        return _loaded(file, devices, arguments)
+    compiled = _compiled_here(program.lower(*arguments))
+    with suppress(Exception):  # a full disk
+        _keep(file, compiled)
+    return compiled
+
+
+def _compiled_here(lowered: Any) -> Any:
+    """Compiled by this process, not found by JAX: XLA cannot write down what it has only read."""
+    worth = getattr(jax.config, _WORTH)
+    jax.config.update(_WORTH, float("inf"))
+    try:
+        return lowered.compile(_APART)
+    finally:
+        jax.config.update(_WORTH, worth)
+
+
+def _loaded(file: Path, devices: Sequence, arguments: tuple) -> Callable:
+    with file.open("rb") as opened:
+        payload, outcome = pickle.load(opened)
+    used(file)
+    trees = jax.tree.structure((arguments, {})), jax.tree.structure(outcome)
+    return serialize_executable.deserialize_and_load(payload, *trees, execution_devices=devices)
+
+
+def _keep(file: Path, compiled: Any) -> None:
+    payload, _, tree = serialize_executable.serialize(compiled)
+    outcome = jax.tree.unflatten(tree, range(tree.num_leaves))
+    with atomic_path(file) as scratch:
+        scratch.write_bytes(pickle.dumps((payload, outcome)))
+
+
+def _digest(known: str, devices: Sequence) -> str:
+    """What the result depends on beside the arguments: code, versions, machine, switches."""
+    places = [(each.platform, each.device_kind, each.id) for each in devices]
+    machine = version("jax"), version("jaxlib"), instruction_set(), places
+    switches = [getattr(jax.config, name) for name in _SWITCHES]
+    flags = os.environ.get("XLA_FLAGS", "")
+    said = repr((known, code_digest(""), machine, switches, flags))
+    return hashlib.sha256(said.encode()).hexdigest()[:32]
+
+
+class _ForeignError(Exception):
+    """Something whose code is not the package's."""
+
+
+def described(value: Any) -> str:
+    """Types, functions, shapes and numbers that a program depends on.
+
+    Raises:
+        _ForeignError: a function or a type among them is defined elsewhere.
+    """
+    if value is None or isinstance(value, bool | int | float | str):
+        return repr(value)
+    if isinstance(value, jax.Array | np.ndarray | np.generic):
+        aval = jax.typeof(value)
+        return f"{aval.dtype}{aval.shape}{'~' * aval.weak_type}"
+    if isinstance(value, Partial):
+        return f"Partial{described((value.func, value.args, value.keywords))}"
+    if type(value) in (tuple, list):
+        return f"{type(value).__name__}({', '.join(map(described, value))})"
+    if type(value) is dict:
+        return f"dict({', '.join(f'{key!r}: {described(value[key])}' for key in sorted(value))})"
+    if inspect.isfunction(value):
+        return _name(value)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return f"{_name(type(value))}{described(tuple(value))}"
+    if dataclasses.is_dataclass(value) or hasattr(value, "__dict__"):
+        return f"{_name(type(value))}{described(vars(value))}"
+    raise _ForeignError(type(value))
+
+
+def _name(thing: Any) -> str:
+    """The name under which a function or class is found in a module of the package."""
+    module, name = thing.__module__, thing.__qualname__
+    if module.split(".")[0] != "jaxsusp" or getattr(sys.modules[module], name, None) is not thing:
+        raise _ForeignError(f"{module}.{name}")
+    return f"{module}.{name}"

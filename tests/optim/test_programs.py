@@ -1,0 +1,130 @@
+"""A program that was kept is the one that would be compiled, and no other is taken for it."""
+
+import pickle
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.tree_util import Partial
+
+import jaxsusp as js
+from jaxsusp.optim import programs
+from jaxsusp.optim.base import Best
+from jaxsusp.optim.programs import at_hand, described
+
+RUNS, ITERATIONS = 3, 5
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """A folder in which programs are kept, and a process that has met none of them."""
+    monkeypatch.setattr(programs, "kept_in", lambda: tmp_path)
+    programs._place_of.cache_clear()
+    yield lambda: sorted(tmp_path.glob("*.program"))
+    programs._place_of.cache_clear()
+
+
+def double(best: Best) -> Best:
+    return Best(2 * best.x, best.fitness + 1)
+
+
+def called(value=1.0, size=3, program=None):
+    """What a compiled program of our types gives."""
+    best = Best(jnp.full(size, value), jnp.asarray(value))
+    compiled = at_hand(program or jax.jit(double), jax.devices()[:1], best, part="double")
+    return jax.tree.map(np.asarray, compiled(best))
+
+
+class Untraceable:
+    """Stands for a program that must not be needed."""
+
+    def lower(self, *_):
+        raise AssertionError("traced")
+
+    __call__ = lower
+
+
+def test_a_program_that_was_kept_is_not_traced_again(kept):
+    first = called(2.0)
+    assert len(kept()) == 1
+    programs._place_of.cache_clear()  # another process
+    again = called(3.0, program=Untraceable())
+    np.testing.assert_array_equal(first.x, 4)
+    np.testing.assert_array_equal(again.x, 6)
+    assert type(again) is Best
+
+
+def test_other_shapes_are_other_programs(kept):
+    called(size=3)
+    called(size=4)
+    assert len(kept()) == 2
+    with pytest.raises(AssertionError, match="traced"):
+        called(size=5, program=Untraceable())
+
+
+def test_other_code_is_another_program(kept, monkeypatch):
+    called()
+    monkeypatch.setattr(programs, "code_digest", lambda room: "changed")
+    called()
+    assert len(kept()) == 2
+
+
+@pytest.mark.parametrize("text", [b"", b"cut", pickle.dumps((b"no program", None))])
+def test_a_damaged_file_is_made_anew(kept, text):
+    called()
+    (file,) = kept()
+    file.write_bytes(text)
+    programs._place_of.cache_clear()
+    np.testing.assert_array_equal(called(5.0).x, 10)
+    programs._place_of.cache_clear()
+    np.testing.assert_array_equal(called(6.0, program=Untraceable()).x, 12)
+
+
+def test_what_xla_has_only_read_is_not_written_down(kept):
+    """A program that JAX's own cache has is compiled again: its copy of a copy would not run."""
+    called()
+    for file in kept():
+        file.unlink()
+    programs._place_of.cache_clear()
+    jax.clear_caches()
+    called()
+    programs._place_of.cache_clear()
+    np.testing.assert_array_equal(called(4.0, program=Untraceable()).x, 8)
+
+
+def test_functions_and_types_of_others_are_traced_as_ever(kept):
+    mine = jax.jit(lambda point: point + 1)
+    assert at_hand(mine, jax.devices(), Partial(double)) is mine  # of the tests, not of the package
+    assert at_hand(mine, jax.devices(), object()) is mine
+    problem = js.Problem(lambda x: (x**2).sum(), [-1, -1], [1, 1])
+    assert at_hand(mine, jax.devices(), problem) is mine
+    js.minimize(problem, "pso", runs=RUNS, iterations=ITERATIONS)
+    assert kept() == []
+
+
+def test_nothing_is_kept_where_nothing_is_to_be(monkeypatch):
+    monkeypatch.setattr(programs, "kept_in", lambda: None)
+    program = jax.jit(double)
+    assert at_hand(program, jax.devices(), Best(jnp.zeros(2), jnp.zeros(()))) is program
+
+
+def test_values_of_arrays_do_not_belong_to_a_program_and_those_of_numbers_do():
+    assert described(np.zeros(3)) == described(np.ones(3)) != described(np.zeros(3, np.float32))
+    assert described(1.0) != described(2.0)
+    assert described({"a": 1, "b": (2, None)}) == described({"b": (2, None), "a": 1})
+    assert described(js.pso()) != described(js.ga())
+    assert described(js.pso()) == described(js.pso())
+
+
+def test_a_search_of_a_kept_program_is_the_search(kept, problems):
+    search = partial(js.minimize, problems[0], "pso", runs=RUNS, iterations=ITERATIONS)
+    fresh = search()
+    assert len(kept()) == 2
+    programs._place_of.cache_clear()
+    again = search()
+    np.testing.assert_array_equal(again.fitness, fresh.fitness)
+    np.testing.assert_array_equal(again.x, fresh.x)
+    np.testing.assert_array_equal(search(seed=1).fitness != fresh.fitness, True)
+    assert len(kept()) == 2
