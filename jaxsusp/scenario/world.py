@@ -5,9 +5,11 @@ that worlds of equal robot and (padded) obstacle counts stack and one compiled p
 all. Host code builds it in float64; the fitness casts it to the dtype of its argument.
 """
 
+import functools
 import math
+import os
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -219,10 +221,19 @@ def load_sums(scenario: Statement) -> list[Placed]:
         return []
     found = []
     for obstacle in scenario.obstacles:
-        for body in sums(obstacle, load):
-            away = tuple(-c for c in obstacle.center)
-            found.append(Placed(obstacle.center, 0.0, body.placed(away, 0.0)))
+        files = (getattr(each, "file", None) for each in (scenario.payload, obstacle))
+        written = tuple(os.stat(file).st_mtime_ns for file in files if file)
+        bodies = _sums_about(obstacle, scenario.payload, written)
+        found += [Placed(obstacle.center, 0.0, body) for body in bodies]
     return found
+
+
+@functools.lru_cache(maxsize=1024)
+def _sums_about(obstacle: Any, payload: Any, written: tuple[int, ...]) -> list[Polytope]:
+    """Sums of an obstacle and a load about the obstacle's centre, while their files last."""
+    del written
+    away = tuple(-c for c in obstacle.center)
+    return [body.placed(away, 0.0) for body in sums(obstacle, payload.body)]
 
 
 def lowest(scenario: Statement) -> tuple[float, float, float]:
