@@ -108,6 +108,30 @@ def hull(path: str | Path, scale: float = 1.0, faces: int = FACES) -> Polytope:
     return _hull(str(path), faces, stat.st_mtime_ns, stat.st_size).scaled(scale)
 
 
+def body_of(size: Any, file: str | None, scale: float | None, yaw_deg: float) -> Polytope:
+    """A load: a box of a full size, or the hull of a mesh, about its bounding box's middle (m).
+
+    Args:
+        size: of the box; None: there is a file.
+        file: a mesh file.
+        scale: factor from the file's unit to metres; None: 1.
+        yaw_deg: angle about the vertical axis.
+
+    Raises:
+        MeshError: as for `bounding_box`.
+    """
+    if size is not None:
+        corners = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
+        found = hull_of(corners * np.array(size, np.float64))
+    else:
+        found = hull(str(file), 1.0 if scale is None else scale, LOAD_FACES)
+    return found.placed((0.0, 0.0, 0.0), yaw_deg)
+
+
+LOAD_FACES = 24
+"""Most faces of a load that is a mesh's hull."""
+
+
 @functools.lru_cache(maxsize=16)
 def _hull(path: str, faces: int, *_: int) -> Polytope:
     found = surface(path)

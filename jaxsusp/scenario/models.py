@@ -21,9 +21,9 @@ from pydantic import (
     model_validator,
 )
 
-from jaxsusp.geometry.meshes import MeshError, bounding_box, hull
+from jaxsusp.geometry.meshes import MeshError, body_of, bounding_box, hull
 from jaxsusp.geometry.pieces import PIECES, pieces_of, require_divisible
-from jaxsusp.geometry.polytopes import Polytope, hull_of
+from jaxsusp.geometry.polytopes import Polytope
 from jaxsusp.mechanics.drives import Drive
 from jaxsusp.scenario.quantities import (
     Lengths,
@@ -89,7 +89,7 @@ class Payload(_Section):
             given["file"] = os.path.abspath(os.path.join(folder, str(given["file"])))
             given.setdefault("scale", 1.0)
         try:
-            body = load_body(given.get("size"), given.get("file"), given.get("scale"), 0.0)
+            body = body_of(given.get("size"), given.get("file"), given.get("scale"), 0.0)
         except MeshError as error:
             raise ValueError(f"cannot be used ({error})") from error
         except (TypeError, ValueError):
@@ -113,21 +113,7 @@ class Payload(_Section):
         """The load about its centre, turned by its yaw; None: it is an upright cylinder."""
         if self.size is None and self.file is None:
             return None
-        return load_body(self.size, self.file, self.scale, self.yaw_deg or 0.0)
-
-
-def load_body(size: Any, file: str | None, scale: float | None, yaw_deg: float) -> Polytope:
-    """A box, or the hull of a mesh, about the middle of its bounding box (m)."""
-    if size is not None:
-        corners = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
-        found = hull_of(corners * np.array(size, np.float64))
-    else:
-        found = hull(str(file), 1.0 if scale is None else scale, LOAD_FACES)
-    return found.placed((0.0, 0.0, 0.0), yaw_deg)
-
-
-LOAD_FACES = 24
-"""Most faces of a load that is a mesh's hull."""
+        return body_of(self.size, self.file, self.scale, self.yaw_deg or 0.0)
 
 
 class Limits(_Section):

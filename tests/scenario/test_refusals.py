@@ -55,13 +55,15 @@ from jaxsusp.scenario.scenario import Scenario, load_scenario
             "height = 0.3",
             "height = 0.3, colour = 3",
             "payload.colour = 3 is not a known key; "
-            "known are mass, radius, height, attachments, center_of_mass",
+            "known are mass, radius, height, size, file, scale, yaw_deg, attachments, "
+            "center_of_mass",
         ),
         (
             "height = 0.3",
             'height = 0.3, "heavy\\nload" = 3',
             'payload."heavy\\nload" = 3 is not a known key; '
-            "known are mass, radius, height, attachments, center_of_mass",
+            "known are mass, radius, height, size, file, scale, yaw_deg, attachments, "
+            "center_of_mass",
         ),
         (
             "height = 0.3",
