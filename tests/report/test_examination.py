@@ -22,7 +22,7 @@ def test_a_mesh_is_told_with_what_is_in_its_place(tmp_path):
     scenario = js.load_scenario("scenario-1").model_copy(update={"obstacles": tuple(meshes)})
     told = [line for line in about(scenario) if "is a mesh" in line]
     assert told[0].startswith('obstacles[0] "ball" is a mesh of 320 triangles, 2.00 × ')
-    assert "in place of which is its convex hull, 4.1" in told[0]
+    assert "in place of which is its convex hull, 4.24 m³" in told[0]
     assert told[0].endswith("m³ more than it has itself.")
     assert told[1].endswith(
         "its bounding box, 1.00 m³; it is not closed (3 open edges): it has no volume."
