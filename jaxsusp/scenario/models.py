@@ -78,7 +78,8 @@ class Payload(_Section):
     def _with_cylinder_around(cls, given: Any, info: Any) -> Any:
         """A box or a mesh states the upright cylinder around itself, for all that asks for one."""
         if not isinstance(given, dict) or not (given.get("size") or given.get("file")):
-            if isinstance(given, dict) and {"scale", "yaw_deg"} & {*given}:
+            alone = isinstance(given, dict) and (given.get("scale"), given.get("yaw_deg"))
+            if alone and alone != (None, None):
                 raise ValueError("states scale or yaw_deg, and no size or file that they are of")
             return given
         given = dict(given)
@@ -87,7 +88,7 @@ class Payload(_Section):
         if given.get("file"):
             folder = (info.context or {}).get("folder", "")
             given["file"] = os.path.abspath(os.path.join(folder, str(given["file"])))
-            given.setdefault("scale", 1.0)
+            given["scale"] = given.get("scale") or 1.0
         try:
             body = body_of(given.get("size"), given.get("file"), given.get("scale"), 0.0)
         except MeshError as error:
