@@ -36,7 +36,7 @@ DIFFERS = (
     "is a plan found, how often does a search end clear, and what does it cost?"
 )
 MADE = READ = ("difficulty",)
-MINUTES = 12.0
+MINUTES = 8.0
 
 
 class Level(NamedTuple):
@@ -53,17 +53,17 @@ class Settings(NamedTuple):
 
     base: Level = Level()
     obstacles: tuple[int, ...] = (6, 25, 50)
-    robots: tuple[int, ...] = (4, 5, 6, 8)
+    robots: tuple[int, ...] = (5, 8)
     passages: tuple[tuple[float, float], ...] = ((0.1, 0.2), (0.4, 0.8))
     scenes: int = 4  # of a level, on which algorithms are compared …
     planned: int = 1  # … and of these so many are planned as well, with the base's robots …
     planned_up_to: int = 25  # … and up to so many obstacles: each shape compiles programs anew
     fewer: tuple[tuple[int, int], ...] = ()  # (obstacles, scenes) where scenes take long to draw
-    algorithms: tuple[str, ...] = ("pso", "dbo", "sdbo")
+    algorithms: tuple[str, ...] = ("pso",)
     runs: int = 10
     iterations: int = 200
     population: int = 30
-    processes: int = 2
+    processes: int = 1
 
     def levels(self) -> list[Level]:
         """All of them, that of the base first."""
