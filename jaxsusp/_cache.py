@@ -19,10 +19,14 @@ CACHE, NO_CACHE = "JAXSUSP_CACHE", "JAXSUSP_NO_CACHE"
 """Environment variables: another folder than the user's (empty: nothing is kept), and, set to
 anything but 0, that nothing is kept."""
 
-KINDS = {"free-space": "free spaces", "compiled": "compiled programs"}
+KINDS = {
+    "free-space": "free spaces",
+    "compiled": "compiled programs",
+    "pieces": "convex pieces of meshes",
+}
 """Folders, and what is in them."""
 
-_OURS = re.compile(r"[0-9a-f]{32}\.(nc|program)|jit_.*-(cache|atime)")
+_OURS = re.compile(r"[0-9a-f]{32}\.(nc|npz|program)|jit_.*-(cache|atime)")
 """Names of files that are kept; nothing else is ever removed."""
 
 LIMIT = 2**30

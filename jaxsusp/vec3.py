@@ -85,7 +85,7 @@ def norm(a: Vec3) -> Array:
     return safe_sqrt(dot(a, a))
 
 
-def component(packed: Vec3, k: int) -> Vec3:
+def component(packed: Vec3, k: int | Array) -> Vec3:
     """The k-th of several packed vectors."""
     return packed.each(lambda c: c[k])
 

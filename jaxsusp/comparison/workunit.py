@@ -27,7 +27,7 @@ from jaxsusp.problem.problem import Problem, stack_problems
 from jaxsusp.problem.suspension import Suspension
 from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import build_world, obstacle_counts
+from jaxsusp.scenario.world import build_world, load_of, obstacle_counts
 from jaxsusp.vec3 import Vec3
 
 
@@ -68,7 +68,7 @@ def stack_scenarios(
     groups: dict[tuple, list[Scenario]] = {}
     for scenario in scenarios:
         hook = scenario.payload.attachments == "hook"
-        shape = (len(scenario.robots), hook, scenario.drive)
+        shape = (len(scenario.robots), hook, scenario.drive, load_of(scenario) is None)
         groups.setdefault(shape, []).append(scenario)
 
     def stack(members: list[Scenario]) -> Group:

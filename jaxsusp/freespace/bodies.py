@@ -4,13 +4,15 @@ Two kinds of body: an obstacle inflated by the load, and the shadow that an obst
 cable's upper end: where the load hangs in it, that cable touches the obstacle. A position outside
 all bodies is clear for the load and for every cable.
 
-Boxes are exact. Round bodies are circumscribed by polyhedra, so that free stays conservative: a
+Boxes are exact; hulls of meshes have their faces moved out by what load or cable reach, as in the
+fitness. Round bodies are circumscribed by polyhedra, so that free stays conservative: a
 cylinder by a prism of `SIDES` sides, up to 0.9 % of its inflated radius outside the circle, and a
 sphere (for cables) by the polyhedron of 162 tangent planes, up to 1.9 % of its radius outside. Of
 more than `FEW` obstacles, which are small, half as many sides (3.5 %) and 42 planes (8 %) serve.
 """
 
 import functools
+from collections.abc import Iterator
 from itertools import product
 from typing import Any
 
@@ -18,14 +20,15 @@ import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from jaxsusp.freespace.orientation import NO_TURN, Turn
-from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points
+from jaxsusp.freespace.polyhedra import Body, HalfSpaces, Points, corners_of
 from jaxsusp.freespace.shadows import shadows
 from jaxsusp.geometry.collisions import SINGLE_PRECISION_MARGIN
-from jaxsusp.geometry.meshes import hull_points
+from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.sums import sums
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import lowest, warning_shape
+from jaxsusp.scenario.world import load_of, lowest, warning_shape
 
 SIDES = 24
 """Sides of the prism around a cylinder."""
@@ -72,13 +75,28 @@ def obstacle_bodies(
     """
     clear, shape = scenario.limits.clearance + MARGIN, warning_shape(scenario)
     across, up = shape.radius + clear, shape.half_height + clear
+    thin, found = shape.cable_radius + clear, []
+    load = load_of(scenario)
     sides = SIDES if len(scenario.obstacles) <= FEW else SIDES // 2
-    around_load = Body.hull(f"{name} (load)", _inflated(obstacle, across, up, None, sides))
-    if moving(scenario.drive):
-        return [around_load]
-    thin = shape.cable_radius + clear
-    around_cable = Body.hull(name, _inflated(obstacle, thin, thin, turn, sides))
-    return [around_load, *shadows(scenario, around_cable)]
+    met = [] if load is None else [body.larger(clear).corners for body in sums(obstacle, load)]
+    for i, (part, named) in enumerate(_parts(obstacle, name)):
+        around_load = _inflated(part, across, up, None, sides) if load is None else met[i]
+        found.append(Body.hull(f"{named} (load)", around_load))
+        if not moving(scenario.drive):
+            around_cable = Body.hull(named, _inflated(part, thin, thin, turn, sides))
+            found += shadows(scenario, around_cable)
+    return found
+
+
+def _parts(obstacle: Any, name: str) -> Iterator[tuple[Any, str]]:
+    """The convex bodies of an obstacle, each with its name."""
+    if obstacle.kind != "mesh" or obstacle.shape == "box":
+        yield obstacle, name
+        return
+    bodies = obstacle.bodies
+    for number, body in enumerate(bodies, start=1):
+        placed = body.placed(obstacle.center, obstacle.yaw_deg)
+        yield placed, f"{name}, piece {number}" if len(bodies) > 1 else name
 
 
 def domain_of(scenario: Scenario) -> HalfSpaces:
@@ -107,20 +125,23 @@ def _inflated(obstacle: Any, across: float, up: float, ball: Turn | None, sides:
     """Corners of a polyhedron around an obstacle inflated horizontally and vertically.
 
     Args:
-        obstacle: of a scenario.
+        obstacle: of a scenario, or one convex body of it.
         across: horizontal inflation (m).
         up: vertical inflation (m), upwards and downwards.
         ball: the turn of an inflated sphere that is a ball (cables); None: it is an upright
             cylinder (load).
         sides: of prisms.
     """
-    center = np.array(obstacle.center)
     grown = np.array([across, across, up])
+    if isinstance(obstacle, Polytope):
+        level = np.hypot(obstacle.grown[:, 0], obstacle.grown[:, 1])
+        reach = across * level + up * np.abs(obstacle.grown[:, 2])
+        if ball is not None:
+            reach = np.full(len(reach), across)
+        faces = HalfSpaces(obstacle.grown, obstacle.support(obstacle.grown) + reach)
+        return corners_of(faces, obstacle.corners.mean(axis=0))
+    center = np.array(obstacle.center)
     match obstacle.kind:
-        case "mesh" if obstacle.shape == "hull":
-            points = hull_points(obstacle.path, obstacle.scale)
-            local = (points[:, None] + _SIGNS * grown).reshape(-1, 3)
-            return center + _turned(local, obstacle.yaw_deg)
         case "box" | "mesh":
             local = _SIGNS * (np.array(obstacle.size) / 2 + grown)
             return center + _turned(local, obstacle.yaw_deg)

@@ -54,8 +54,7 @@ class Route(NamedTuple):
 class FreeSpace(Shown):
     """Convex regions of load positions in which the load and all cables are clear (Eq. 23).
 
-    Where the ends of the cables move, for the load alone. A mesh of shape "hull" is avoided as its
-    hull, while the fitness counts contacts with its box.
+    Where the ends of the cables move, for the load alone.
 
     Arrays are read-only. Polytopes {p : A p <= b} are padded with rows 0 p <= 1. Regions stay
     0.1 mm away from every warning area. `route` and `polyline` are empty and `bound` is infinite

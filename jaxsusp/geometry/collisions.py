@@ -8,16 +8,24 @@ and are summed once at the end: a reduction inside the loop would keep XLA from 
 import functools
 import operator
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float, Int
 from jaxsusp.geometry.cables import attachment
-from jaxsusp.geometry.obstacles import KINDS, Boxes, Cylinders, Obstacles, Spheres, over_bodies
+from jaxsusp.geometry.obstacles import (
+    KINDS,
+    Boxes,
+    Cylinders,
+    Hulls,
+    Obstacles,
+    Spheres,
+    over_bodies,
+)
 from jaxsusp.geometry.segments import MEETS, SweptTests
-from jaxsusp.vec3 import Vec3, component, cross, norm, safe_sqrt
+from jaxsusp.vec3 import Vec3, component, cross, dot, norm, safe_sqrt
 
 SINGLE_PRECISION_MARGIN = 1e-4
 """m; added to every inflation when the arithmetic is float32, so that what a search finds clear
@@ -38,6 +46,9 @@ class Bodies(NamedTuple):
     clearance: Float[Array, ""]
     attachments: Vec3  # one entry for a common hook, else K, relative to the centre of mass
     ends: Vec3  # K upper cable ends; where they move, (K, samples, …)
+    sums: Hulls | None = None
+    """Sums of every obstacle and a load that is no cylinder: what its centre keeps out of. The
+    radius is then that of a cylinder around it, and counts for arms alone."""
 
 
 class Motion(NamedTuple):
@@ -106,14 +117,45 @@ def _count(
     motion: "Motion", bodies: Bodies, cables: Sequence["SweptCable"], obstacles: Obstacles
 ) -> Int[Array, "*batch"]:
     hits = jnp.zeros(motion.step.x.shape, jnp.int32)
-    for kind in KINDS:
+    for kind, packed in kinds_of(bodies, obstacles):
 
-        def add(hits, obstacle, held_against=HELD_AGAINST[kind]):
-            found = held_against(obstacle, motion, bodies, cables, MEETS)
-            return hits + functools.reduce(operator.add, [each.astype(jnp.int32) for each in found])
+        def add(hits, obstacle, kind=kind):
+            found = held_against(kind, obstacle, motion, bodies, cables, MEETS)
+            told = [each.astype(jnp.int32) for each in found if each is not None]
+            return hits + functools.reduce(operator.add, told, *() if told else (0,))
 
-        hits = over_bodies(add, getattr(obstacles, kind), hits)
+        hits = over_bodies(add, packed, hits)
     return hits.sum(axis=0)
+
+
+def kinds_of(bodies: Bodies, obstacles: Obstacles) -> list[tuple[str, Any]]:
+    """All kinds of packed obstacles, and the sums that stand for them for some loads."""
+    found = [(kind, getattr(obstacles, kind)) for kind in KINDS]
+    return found if bodies.sums is None else [*found, (SUMS, bodies.sums)]
+
+
+SUMS = "sums"
+
+
+def held_against(
+    kind: str,
+    obstacle: Any,
+    motion: "Motion",
+    bodies: Bodies,
+    cables: Sequence["SweptCable"],
+    tests: SweptTests,
+) -> Iterator[Array | None]:
+    """What the tests tell of the load, then of every cable, and an obstacle.
+
+    Where the load has sums with obstacles, those tell of it, and the obstacles of cables alone:
+    what is not told is None.
+    """
+    if kind == SUMS:
+        start, stop = obstacle.to_own_frame(motion.start), obstacle.to_own_frame(motion.stop)
+        yield tests.faces(start, stop, obstacle.faces, lambda normal: bodies.clearance)
+        return
+    for number, found in enumerate(HELD_AGAINST[kind](obstacle, motion, bodies, cables, tests)):
+        yield None if number == 0 and bodies.sums is not None else found
 
 
 def with_margin(bodies: Bodies, dtype) -> Bodies:
@@ -239,7 +281,42 @@ def _with_sphere(
         yield met
 
 
-HELD_AGAINST = {"boxes": _with_box, "cylinders": _with_cylinder, "spheres": _with_sphere}
+def _with_hull(
+    hull: Hulls, motion: Motion, bodies: Bodies, cables: Sequence[SweptCable], tests: SweptTests
+) -> Iterator[Array]:
+    wide, high = bodies.radius + bodies.clearance, bodies.half_height + bodies.clearance
+    start, stop = hull.to_own_frame(motion.start), hull.to_own_frame(motion.stop)
+
+    def by_load(normal: Vec3) -> Array:
+        """How far an upright cylinder reaches."""
+        return wide * safe_sqrt(normal.x**2 + normal.y**2) + high * jnp.abs(normal.z)
+
+    yield tests.faces(start, stop, hull.faces, by_load)
+
+    thin = bodies.cable_radius + bodies.clearance
+    middle, step = 0.5 * (start + stop), stop - start
+    for cable in cables:
+        hook, end_own = middle + hull.turn(cable.attachment), hull.to_own_frame(cable.end)
+        end_step = hull.turn(cable.step) if cable.step else None
+        half_motion = 0.5 * _larger(step, end_step)
+
+        def by_cable(normal: Vec3, half_motion: Vec3 = half_motion) -> Array:
+            """How far a ball and then half the motion reach."""
+            return thin + dot(normal.abs(), half_motion)
+
+        met = tests.faces(hook, end_own, hull.faces, by_cable)
+        if end_step is None:
+            normal = cross(step, end_own - hook)
+            met = tests.both(met, tests.plane_corners(normal, end_own, hull.corners, thin))
+        yield met
+
+
+HELD_AGAINST = {
+    "boxes": _with_box,
+    "cylinders": _with_cylinder,
+    "spheres": _with_sphere,
+    "hulls": _with_hull,
+}
 """How the load and every cable are held against an obstacle, by its kind."""
 
 

@@ -7,13 +7,15 @@ direction of a way out, of the shortest where the body is no cylinder. Apart, it
 
 import functools
 
+import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
-from jaxsusp.geometry.segments import SweptTests
+from jaxsusp.geometry.segments import Corners, Faces, Grown, SweptTests
 from jaxsusp.vec3 import Vec3, cross, dot, norm, safe_sqrt
 
 _TINY = 1e-18  # m²; a shorter axis tells nothing, and its gradients are beyond float32
+_HALVINGS = 24
 _FAR = 1e6  # m; the depth along an axis that tells nothing
 
 
@@ -83,6 +85,54 @@ def plane_in_sphere(normal: Vec3, point: Vec3, radius) -> Float[Array, "..."]:
     return radius + _per_length(-jnp.abs(dot(normal, point)), square)
 
 
+def segment_in_faces(a: Vec3, b: Vec3, faces: Faces, grown: Grown) -> Float[Array, "..."]:
+    """Depth (m) of segment a-b in the convex body within some planes.
+
+    The depth of a point is its distance from the nearest plane; along the segment that is concave,
+    and greatest at an end or where two planes change places, which halvings find. The planes that
+    matter there give the depth itself, so that its gradient needs none of the others.
+    """
+
+    def rooms(normal: Vec3, offset: Array) -> tuple[Array, Array]:
+        """Depths of both ends below a plane."""
+        limit = offset + grown(normal)
+        return limit - dot(normal, a), limit - dot(normal, b)
+
+    every = jax.vmap(rooms)(faces.normal, faces.offset)
+    one, other = jnp.broadcast_arrays(*map(jax.lax.stop_gradient, every))
+    rising = other >= one
+
+    def middle(_, span: tuple[Array, Array]) -> tuple[Array, Array]:
+        low, high = span
+        t = 0.5 * (low + high)
+        nearest = (one + t[None] * (other - one)).argmin(axis=0)
+        up = jnp.take_along_axis(rising, nearest[None], axis=0)[0]
+        return jnp.where(up, t, low), jnp.where(up, high, t)
+
+    none = jnp.zeros(one.shape[1:], one.dtype)
+    low, high = jax.lax.fori_loop(0, _HALVINGS, middle, (none, none + 1))
+    first = (one + low[None] * (other - one)).argmin(axis=0)
+    last = (one + high[None] * (other - one)).argmin(axis=0)
+
+    (p, q), (r, s) = (
+        rooms(faces.normal.each(lambda c, at=at: c[at]), faces.offset[at]) for at in (first, last)
+    )
+    # Two lines over t: p + t (q - p) rises, r + t (s - r) falls; at an end one alone is there.
+    steep = (q - p) - (s - r)
+    crossing = steep > _TINY
+    inside = crossing & (q >= p) & (s <= r)
+    height = (p * (r - s) + r * (q - p)) / jnp.where(crossing, steep, 1)
+    return jnp.where(inside, height, jnp.where(q >= p, jnp.minimum(q, s), jnp.minimum(p, r)))
+
+
+def plane_in_corners(normal: Vec3, point: Vec3, corners: Corners, thin) -> Float[Array, "..."]:
+    """Depth (m) of the plane through a point in the hull of corners, larger by `thin` per axis."""
+    at = jax.vmap(lambda place: dot(normal, place - point))(corners.place)
+    around = thin * (jnp.abs(normal.x) + jnp.abs(normal.y) + jnp.abs(normal.z))
+    common = jnp.minimum(at.max(axis=0), -at.min(axis=0)) + around
+    return _per_length(common, dot(normal, normal))
+
+
 def _per_length(value: Array, square: Array) -> Array:
     """A value that is in proportion to the length of an axis, per that length."""
     short = square <= _TINY
@@ -93,8 +143,10 @@ DEPTHS = SweptTests(
     segment_in_box,
     segment_in_cylinder,
     segment_in_sphere,
+    segment_in_faces,
     plane_in_box,
     plane_in_cylinder,
     plane_in_sphere,
+    plane_in_corners,
     jnp.minimum,
 )

@@ -24,9 +24,12 @@ from jaxsusp.geometry.collisions import (
     each_cable,
     with_margin,
 )
-from jaxsusp.geometry.obstacles import KINDS, Obstacles
+from jaxsusp.geometry.obstacles import Obstacles
 from jaxsusp.geometry.segments import MEETS
 from jaxsusp.vec3 import Vec3
+
+LISTED = ("boxes", "cylinders", "spheres")
+"""Kinds of obstacles of which there are lists, where there is no other kind."""
 
 DIVISIONS = (32, 23, 16, 11, 8, 6, 4, 3)
 """Cells along every axis of the box, finest level first; from one to the next they grow by √2."""
@@ -113,7 +116,7 @@ def _count_group(
 ) -> Int[Array, "segments"]:
     """Contacts of every segment of a group with what its lists hold."""
     motion, hits = Motion.between(start, stop), jnp.zeros(cell.shape, jnp.int32)
-    for kind, first in zip(KINDS, nearby.first, strict=True):
+    for kind, first in zip(LISTED, nearby.first, strict=True):
         packed = jax.tree.map(jnp.asarray, getattr(obstacles, kind))
         if packed.active.size == 0:
             continue
@@ -143,7 +146,7 @@ def nearby_of(bodies: Bodies, obstacles: Obstacles, lower: Vec3, upper: Vec3) ->
     extent = np.array(upper) - np.array(lower)
     corner, extent = np.array(lower) - BEYOND * extent, (1 + 2 * BEYOND) * extent
     reach = np.array([extent.max() / divisions for divisions in DIVISIONS])
-    lists = [_lists(kind, bodies, obstacles, corner, extent, reach) for kind in KINDS]
+    lists = [_lists(kind, bodies, obstacles, corner, extent, reach) for kind in LISTED]
     lengths = np.array([[counts for counts, _ in each] for each in lists])
     ends = np.cumsum(lengths).reshape(lengths.shape)
     first = np.concatenate([(ends - lengths)[..., :1], ends], axis=-1)

@@ -12,9 +12,16 @@ import jax
 import jax.numpy as jnp
 
 from jaxsusp._types import Array, Float
-from jaxsusp.geometry.collisions import HELD_AGAINST, Bodies, Motion, SweptCable, with_margin
+from jaxsusp.geometry.collisions import (
+    Bodies,
+    Motion,
+    SweptCable,
+    held_against,
+    kinds_of,
+    with_margin,
+)
 from jaxsusp.geometry.depths import DEPTHS
-from jaxsusp.geometry.obstacles import KINDS, Obstacles, over_bodies
+from jaxsusp.geometry.obstacles import Obstacles, over_bodies
 from jaxsusp.vec3 import Vec3
 
 
@@ -77,19 +84,19 @@ def sum_depths(
 @jax.custom_vjp
 def _summed(moving: _Moving, still: _Still) -> Array:
     total = jnp.zeros(moving.start.x.shape, moving.start.x.dtype)
-    for kind in KINDS:
+    for kind, packed in kinds_of(still.bodies, still.obstacles):
 
         def add(total, obstacle, kind=kind):
             return total + _counted(kind, obstacle, moving, still)
 
-        total = over_bodies(add, getattr(still.obstacles, kind), total)
+        total = over_bodies(add, packed, total)
     return total.sum(axis=0)
 
 
 def _forward(moving: _Moving, still: _Still) -> tuple[Array, _Moving]:
     total = jnp.zeros(moving.start.x.shape, moving.start.x.dtype)
     carry = total, jax.tree.map(jnp.zeros_like, moving)
-    for kind in KINDS:
+    for kind, packed in kinds_of(still.bodies, still.obstacles):
 
         def add(carry, obstacle, kind=kind):
             total, gradient = carry
@@ -101,7 +108,7 @@ def _forward(moving: _Moving, still: _Still) -> tuple[Array, _Moving]:
             gradient = jax.tree.map(jnp.add, gradient, back(jnp.ones_like(value))[0])
             return total + value, gradient
 
-        carry = over_bodies(add, getattr(still.obstacles, kind), carry)
+        carry = over_bodies(add, packed, carry)
     total, gradient = carry
     return total.sum(axis=0), gradient
 
@@ -121,8 +128,11 @@ def _counted(kind: str, obstacle: Any, moving: _Moving, still: _Still) -> Array:
     before, after = (each.each(lambda c: c[None]) for each in (moving.start, moving.stop))
     motion, bodies = Motion.between(before, after), still.bodies  # beside the cables' axis
     cables = _all_cables(moving, bodies)
-    depths = HELD_AGAINST[kind](obstacle, motion, bodies, cables, DEPTHS)
-    amounts = [charge(depth / still.unit, still.band).sum(axis=0) for depth in depths]
+    depths = held_against(kind, obstacle, motion, bodies, cables, DEPTHS)
+    told = (depth for depth in depths if depth is not None)
+    amounts = [charge(depth / still.unit, still.band).sum(axis=0) for depth in told]
+    if not amounts:  # nothing but the load, which its sums tell of
+        return jnp.zeros(moving.start.x.shape, moving.start.x.dtype)
     return functools.reduce(jnp.add, amounts)
 
 
@@ -167,11 +177,12 @@ def deepest(position: Vec3, bodies: Bodies, obstacles: Obstacles) -> Deepest:
     motion = Motion.between(resting, resting)
     nothing = jnp.full(position.x.shape, -jnp.inf, position.x.dtype)
     found = nothing, nothing
-    for kind in KINDS:
+    for kind, packed in kinds_of(bodies, obstacles):
 
-        def deeper(found, obstacle, held_against=HELD_AGAINST[kind]):
-            depths = held_against(obstacle, motion, bodies, cables, DEPTHS)
-            return tuple(map(jnp.maximum, found, [depth.max(axis=0) for depth in depths]))
+        def deeper(found, obstacle, kind=kind):
+            depths = held_against(kind, obstacle, motion, bodies, cables, DEPTHS)
+            depths = [nothing if each is None else each.max(axis=0) for each in depths]
+            return *map(jnp.maximum, found, depths), *found[len(depths) :]
 
-        found = over_bodies(deeper, getattr(obstacles, kind), found)
+        found = over_bodies(deeper, packed, found)
     return Deepest(*(depth.max(axis=0) for depth in found))

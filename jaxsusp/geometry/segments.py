@@ -7,12 +7,35 @@ reported as a hit by the box test; the fitness catches NaN by other means and ne
 from collections.abc import Callable
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 
-from jaxsusp._types import Array, Bool, Float
-from jaxsusp.vec3 import Vec3, cross, dot, safe_sqrt
+from jaxsusp._types import Array, Bool, Float, Int
+from jaxsusp.vec3 import Vec3, component, cross, dot, safe_sqrt
 
 _TINY = 1e-30  # replaces an exact zero divisor: the quotient is then huge, never NaN
+
+
+class Faces(NamedTuple):
+    """Planes around a convex body, {p : normal · p <= offset} (m).
+
+    Padded with normals of zero and offsets above it, which cut nothing.
+    """
+
+    normal: Vec3
+    offset: Float[Array, "faces"]
+    number: Int[Array, ""]  # those that are there
+
+
+class Corners(NamedTuple):
+    """Corners of a convex body, padded with one of them (m)."""
+
+    place: Vec3
+    number: Int[Array, ""]
+
+
+Grown = Callable[[Vec3], Array]
+"""How far a body grows in the direction of a unit normal (m)."""
 
 
 def segment_meets_box(a: Vec3, b: Vec3, half: Vec3) -> Bool[Array, "..."]:
@@ -79,15 +102,66 @@ def plane_meets_sphere(normal: Vec3, point: Vec3, radius) -> Bool[Array, "..."]:
     return dot(normal, point) ** 2 <= dot(normal, normal) * radius**2
 
 
+def segment_meets_faces(a: Vec3, b: Vec3, faces: Faces, grown: Grown) -> Bool[Array, "..."]:
+    """Segment a-b against the convex body within some planes (Cyrus and Beck, 1978).
+
+    Every plane cuts off what of the segment is in front of it; they meet where something is left.
+
+    Args:
+        a: one end, in the frame of the planes.
+        b: the other end.
+        faces: the planes.
+        grown: by how much each is to be moved out, by its normal.
+    """
+    shape = jnp.broadcast_shapes(a.x.shape, b.x.shape, jnp.shape(grown(component(faces.normal, 0))))
+    none, all_ = (jnp.full(shape, value, faces.offset.dtype) for value in (0.0, 1.0))
+
+    def cut(i, span: tuple[Array, Array]) -> tuple[Array, Array]:
+        enter, leave = span
+        normal = component(faces.normal, i)
+        limit = faces.offset[i] + grown(normal)
+        before, after = dot(normal, a) - limit, dot(normal, b) - limit
+        falls = before - after
+        t = before / jnp.where(falls == 0, _TINY, falls)
+        inwards = falls >= 0
+        return (
+            jnp.where(inwards, jnp.maximum(enter, t), enter),
+            jnp.where(inwards, leave, jnp.minimum(leave, t)),
+        )
+
+    enter, leave = jax.lax.fori_loop(0, faces.number, cut, (none, all_))
+    return ~(enter > leave)
+
+
+def plane_meets_corners(normal: Vec3, point: Vec3, corners: Corners, thin) -> Bool[Array, "..."]:
+    """The plane through a point against the convex hull of corners, larger by `thin` per axis."""
+    low, high = span_of_corners(normal, point, corners)
+    around = thin * (jnp.abs(normal.x) + jnp.abs(normal.y) + jnp.abs(normal.z))
+    return (low <= around) & (high >= -around)
+
+
+def span_of_corners(normal: Vec3, point: Vec3, corners: Corners) -> tuple[Array, Array]:
+    """Least and greatest normal · (corner - point)."""
+    first = dot(normal, component(corners.place, 0) - point)
+
+    def wider(i, span: tuple[Array, Array]) -> tuple[Array, Array]:
+        at = dot(normal, component(corners.place, i) - point)
+        return jnp.minimum(span[0], at), jnp.maximum(span[1], at)
+
+    return jax.lax.fori_loop(1, corners.number, wider, (first, first))
+
+
 class SweptTests(NamedTuple):
     """How segments and planes are held against bodies: whether they meet, or how deep."""
 
     box: Callable[..., Array]
     cylinder: Callable[..., Array]
     sphere: Callable[..., Array]
+    faces: Callable[..., Array]
     plane_box: Callable[..., Array]
     plane_cylinder: Callable[..., Array]
     plane_sphere: Callable[..., Array]
+    plane_corners: Callable[..., Array]
     both: Callable[[Array, Array], Array]
 
 
@@ -95,9 +169,11 @@ MEETS = SweptTests(
     segment_meets_box,
     segment_meets_cylinder,
     segment_meets_sphere,
+    segment_meets_faces,
     plane_meets_box,
     plane_meets_cylinder,
     plane_meets_sphere,
+    plane_meets_corners,
     jnp.logical_and,
 )
 

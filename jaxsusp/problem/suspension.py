@@ -68,10 +68,13 @@ _population_fitness = one_flat_batch(_flat_fitness)
 def nearby_in(world: World, drive: str) -> Nearby | None:
     """Which obstacles can be touched from where; None where testing all of them is faster.
 
-    Where the ends move, a position does not say where the cables are.
+    Where the ends move, a position does not say where the cables are. Hulls of meshes, and loads
+    that are no cylinders, have no lists.
     """
-    count = sum(int(kind.active.sum()) for kind in world.obstacles)
-    if count <= FEW or moving(drive):
+    listed = world.obstacles.hulls is None and world.bodies.sums is None
+    if not listed or moving(drive):
+        return None
+    if sum(int(kind.active.sum()) for kind in world.obstacles[:3]) <= FEW:
         return None
     return nearby_of(world.bodies, world.obstacles, world.lower, world.upper)
 

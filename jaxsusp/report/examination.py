@@ -3,11 +3,13 @@
 from collections import Counter
 from collections.abc import Iterator
 from shlex import quote
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from jaxsusp.geometry.meshes import surface
 from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.planning.prospects.examination import PROVED, Examination
 from jaxsusp.planning.prospects.stated import Key, keys_of, unfitting
@@ -16,6 +18,7 @@ from jaxsusp.report.drawing.scene import cable_samples, paint_task
 from jaxsusp.report.drawing.style import heading, legend, picture, remarks
 from jaxsusp.report.render import Column, percent, significant
 from jaxsusp.report.workspace import paint_scale, paint_slice, slice_samples
+from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.ownunits import frame_of, in_words
 from jaxsusp.scenario.scenario import Scenario
 
@@ -127,6 +130,8 @@ def about(scenario: Scenario) -> Iterator[str]:
         f"{listed or 'none'}."
     )
     keys = keys_of(scenario)
+    for each in mesh_records(scenario):
+        yield _mesh_in_words(each)
     yield f"Given: {_listed([key for key in keys if key.given], values=False)}."
     yield f"Default: {_listed([key for key in keys if not key.given], values=True)}."
     yield (
@@ -140,6 +145,45 @@ def about(scenario: Scenario) -> Iterator[str]:
             "These defaults are metres, newtons and seconds of the benchmark's size, which this "
             f"task has not; state them: {', '.join(paths)}."
         )
+
+
+def mesh_records(scenario: Scenario) -> list[dict[str, Any]]:
+    """What is in the file of every mesh, and what stands for it, in SI units."""
+    found = []
+    for i, obstacle in enumerate(scenario.obstacles):
+        if obstacle.kind != "mesh":
+            continue
+        inside, bodies = surface(obstacle.path), obstacle.bodies
+        open_edges = inside.open_edges
+        box = float(np.prod(obstacle.size))
+        found.append(
+            {
+                "obstacle": numbered("obstacles", i, obstacle.name),
+                "size_m": obstacle.size,
+                "triangles": len(inside.faces),
+                "open_edges": open_edges,
+                "volume_m3": None if open_edges else inside.volume * obstacle.scale**3,
+                "shape": obstacle.shape,
+                "bodies": len(bodies) or 1,
+                "bodies_m3": sum(body.volume for body in bodies) if bodies else box,
+            }
+        )
+    return found
+
+
+def _mesh_in_words(mesh: dict[str, Any]) -> str:
+    size = " × ".join(significant(side, 3) for side in mesh["size_m"])
+    bodies, volume, own = mesh["bodies"], mesh["bodies_m3"], mesh["volume_m3"]
+    shape = {"box": "its bounding box", "hull": "its convex hull"}.get(
+        mesh["shape"], f"{bodies} convex piece{'s' * (bodies != 1)}"
+    )
+    text = (
+        f"{mesh['obstacle']} is a mesh of {mesh['triangles']:,} triangles, {size} m, in place of "
+        f"which {'is' if bodies == 1 else 'are'} {shape}, {significant(volume, 3)} m³"
+    )
+    if own is None:
+        return f"{text}; it is not closed ({mesh['open_edges']} open edges): it has no volume."
+    return f"{text}, {significant(max(volume - own, 0.0), 3)} m³ more than it has itself."
 
 
 def prospects(found: Examination) -> Iterator[str]:

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from jaxsusp.freespace.polyhedra import HalfSpaces
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.report.drawing.scales import frame_plane
-from jaxsusp.report.drawing.solids import of_obstacle
+from jaxsusp.report.drawing.solids import of_obstacles
 from jaxsusp.report.drawing.style import INK, legend, picture, quiet
 from jaxsusp.report.freespace import ellipse_of, section
 from jaxsusp.scenario.scenario import Scenario
@@ -50,8 +50,7 @@ def plane(
 
     for body in space.bodies:
         fill(body, fc=GROWN, ec="none", zorder=1)
-    for obstacle in scenario.obstacles:
-        solid = of_obstacle(obstacle)
+    for solid in of_obstacles(scenario.obstacles):
         fill(HalfSpaces(solid.normals, solid.offsets), fc=BLACK, ec="none", zorder=2)
     for number, region in enumerate(space.regions):
         strong = number in space.route

@@ -65,7 +65,7 @@ def _scenario(scenario: Scenario) -> str:
     hung = "one hook" if payload.attachments == "hook" else "one point per cable"
     rows = [
         ("robots", f"{len(scenario.robots)}, drive mode {scenario.drive}"),
-        ("load", f"{payload.mass:g} kg, {payload.radius:g} × {payload.height:g} m, at {hung}"),
+        ("load", f"{payload.mass:g} kg, {payload.words}, at {hung}"),
         ("obstacles", str(len(scenario.obstacles))),
         ("from", f"{in_words(scenario.task.start)} m"),
         ("to", f"{in_words(scenario.task.goal)} m, in {scenario.task.duration:g} s"),

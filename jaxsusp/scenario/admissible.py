@@ -15,13 +15,18 @@ import numpy as np
 
 from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.geometry.contacts import segments_clear
-from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.mechanics.arm import reach, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
 from jaxsusp.scenario.messages import numbered, sentence
 from jaxsusp.scenario.models import Statement
 from jaxsusp.scenario.ownunits import TOUCH, frame_of, in_own_units
-from jaxsusp.scenario.world import World, attachments_of, build_world, warning_shape
+from jaxsusp.scenario.world import (
+    World,
+    attachments_of,
+    build_world,
+    one_at_a_time,
+    warning_shape,
+)
 from jaxsusp.vec3 import Vec3
 
 _count = jax.jit(count_collisions)
@@ -30,8 +35,9 @@ _clear = jax.jit(segments_clear)
 
 def inadmissible(scenario: Statement) -> tuple[list[str], list[str]]:
     """What makes a scenario unusable and what its task, one line per problem; empty: nothing."""
-    if contradictions := [*_contradictory(scenario)] or [*_never_level(scenario)]:
-        return contradictions, []
+    for doubt in (_contradictory, _out_of_scale, _never_level):
+        if contradictions := [*doubt(scenario)]:
+            return contradictions, []
     checks = (_namesakes, _unreachable, _crowded, _ends_on_ground, _columns_blocked)
     return [line for check in checks for line in check(scenario)], misplaced(scenario)
 
@@ -88,6 +94,27 @@ def _namesakes(scenario: Statement) -> Iterator[str]:
             yield sentence(
                 f"obstacles[{i}].name", obstacle.name, f"is also the name of obstacles[{j}]", remedy
             )
+
+
+LARGE, SMALL = 100.0, 1e-3
+"""Sizes of a mesh, in largest sides of the workspace, beyond which its unit is doubted."""
+
+
+def _out_of_scale(scenario: Statement) -> Iterator[str]:
+    """Meshes whose unit is not the one that their scale is for."""
+    room = max(np.subtract(scenario.workspace.upper, scenario.workspace.lower))
+    for i, obstacle in enumerate(scenario.obstacles):
+        if obstacle.kind != "mesh" or SMALL <= (share := max(obstacle.size) / room) <= LARGE:
+            continue
+        wrong = f"makes it {max(obstacle.size):.3g} m across, {share:.2g} times the workspace"
+        remedy = "give the factor from its unit to metres, 1 for metres, 0.001 for millimetres"
+        likely = next((f for f in (1e-3, 0.01, 0.0254, 1e3) if 0.01 <= f * share <= 3), None)
+        if share > LARGE and likely:
+            unit = {1e-3: "millimetres", 0.01: "centimetres", 0.0254: "inches"}.get(likely, "")
+            wrong += f": is the file in {unit}?"
+            remedy = f"give scale = {obstacle.scale * likely:g}, or the factor to metres"
+        field = f"{numbered('obstacles', i, obstacle.name)}.scale"
+        yield sentence(field, obstacle.scale, wrong, remedy)
 
 
 def _unreachable(scenario: Statement) -> Iterator[str]:
@@ -194,7 +221,7 @@ def _columns_blocked(scenario: Statement) -> Iterator[str]:
     for i, obstacle in enumerate(own.obstacles):
         alone = own.model_copy(update={"obstacles": (obstacle,)})
         with jax.enable_x64(True):
-            world = build_world(alone, counts=[1] * len(KINDS))
+            world = build_world(alone, counts=one_at_a_time(alone))
             wide = jnp.asarray(world.robots.radius)[:, 0] + world.bodies.clearance
             foot = Vec3.from_array(jnp.asarray(world.robots.base))
             clear = _clear(foot, world.robots.shoulder, wide, world.obstacles)
@@ -222,7 +249,7 @@ def _in_contact(scenario: Statement) -> Iterator[str]:
     for i, obstacle in enumerate(own.obstacles):
         warning_area = f"the warning area of {numbered('obstacles', i, obstacle.name)}"
         alone = own.model_copy(update={"obstacles": (obstacle,)})
-        load, *cables = _contacts(build_world(alone, counts=[1] * len(KINDS)))
+        load, *cables = _contacts(build_world(alone, counts=one_at_a_time(alone)))
         for at, (place, point) in enumerate(_places(scenario)):
             if load[at]:
                 wrong = f"puts the load into {warning_area}"

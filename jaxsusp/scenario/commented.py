@@ -34,6 +34,11 @@ _INSTEAD = {
     "jerk": ("1.0", "no limit"),
     "cable_speed": ("0.5", "no limit"),
     "joint_speed_deg": ("90.0", "90 for arms that move"),
+    "pieces": ("16", "16"),
+    "size": ("[0.4, 0.3, 0.3]", "a cylinder"),
+    "file": ('"part.stl"', "a cylinder"),
+    "scale": ("1.0", "1"),
+    "yaw_deg": ("0.0", "0"),
 }
 """Of keys whose default cannot be written: an example, and what the default is in words."""
 
@@ -108,7 +113,7 @@ def _rows(fields: Mapping[str, FieldInfo], table: BaseModel) -> list[str]:
     lines = []
     for key, info in fields.items():
         text, remark = _assigned(table, key), info.description or _KINDS
-        example, instead = _INSTEAD.get(key, ("", ""))
+        example, instead = _INSTEAD.get(key, ("", "")) if info.default is None else ("", "")
         if _is_default(table, key, info):
             text = f"# {key} = {example}" if example else f"# {text}"
             remark += f"; default: {instead}" if instead else ""

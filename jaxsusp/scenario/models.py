@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -17,9 +18,12 @@ from pydantic import (
     Field,
     Tag,
     field_validator,
+    model_validator,
 )
 
-from jaxsusp.geometry.meshes import MeshError, bounding_box
+from jaxsusp.geometry.meshes import MeshError, body_of, bounding_box, hull
+from jaxsusp.geometry.pieces import PIECES, pieces_of, require_divisible
+from jaxsusp.geometry.polytopes import Polytope
 from jaxsusp.mechanics.drives import Drive
 from jaxsusp.scenario.quantities import (
     Lengths,
@@ -45,17 +49,72 @@ class _Section(BaseModel):
 
 
 class Payload(_Section):
-    """The load: an upright cylinder, positioned by its centre."""
+    """The load: an upright cylinder, a box or a mesh's hull, positioned by its centre."""
 
     mass: Positive = Field(description="the mass in kg")
-    radius: Positive = Field(description="the radius in m")
-    height: Positive = Field(description="the height in m")
+    radius: Positive = Field(description="the radius in m, of a cylinder; else left out")
+    height: Positive = Field(description="the height in m, of a cylinder; else left out")
+    size: Lengths | None = Field(
+        default=None, description="the full size [x, y, z] in m of a load that is a box"
+    )
+    file: str | None = Field(
+        default=None, description="a mesh file whose convex hull the load is, by its bounding box"
+    )
+    scale: Positive | None = Field(
+        default=None, description="the factor from the unit of that file to metres"
+    )
+    yaw_deg: Number | None = Field(
+        default=None, description="the angle in degrees of box or mesh about the vertical axis"
+    )
     attachments: Attachments = Field(
         default="hook", description='"hook", or one [x, y, z] in m from the centre per cable'
     )
     center_of_mass: Point = Field(
         default=(0.0, 0.0, 0.0), description="the offset [x, y, z] in m from the centre"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_cylinder_around(cls, given: Any, info: Any) -> Any:
+        """A box or a mesh states the upright cylinder around itself, for all that asks for one."""
+        if not isinstance(given, dict) or not (given.get("size") or given.get("file")):
+            alone = isinstance(given, dict) and (given.get("scale"), given.get("yaw_deg"))
+            if alone and alone != (None, None):
+                raise ValueError("states scale or yaw_deg, and no size or file that they are of")
+            return given
+        given = dict(given)
+        if given.get("size") and given.get("file"):
+            raise ValueError("states size and file; leave one of them out")
+        if given.get("file"):
+            folder = (info.context or {}).get("folder", "")
+            given["file"] = os.path.abspath(os.path.join(folder, str(given["file"])))
+            given["scale"] = given.get("scale") or 1.0
+        try:
+            body = body_of(given.get("size"), given.get("file"), given.get("scale"), 0.0)
+        except MeshError as error:
+            raise ValueError(f"cannot be used ({error})") from error
+        except (TypeError, ValueError):
+            return {"radius": 1.0, "height": 1.0, **given}  # its own fields say what is wrong
+        radius = float(np.hypot(*body.corners[:, :2].T).max())
+        for key, own in (("radius", radius), ("height", 2 * float(body.corners[:, 2].max()))):
+            if abs(given.setdefault(key, own) - own) > 1e-6 * own:
+                raise ValueError(f"states {key}, which a load with size or file has by itself")
+        return given
+
+    @property
+    def words(self) -> str:
+        """Its shape and size in a few words."""
+        if self.size is not None:
+            return f"box of {' × '.join(f'{side:g}' for side in self.size)} m"
+        size = f"{self.radius:g} × {self.height:g} m"
+        return size if self.file is None else f"hull of {Path(self.file).name} in {size}"
+
+    @property
+    def body(self) -> Polytope | None:
+        """The load about its centre, turned by its yaw; None: it is an upright cylinder."""
+        if self.size is None and self.file is None:
+            return None
+        return body_of(self.size, self.file, self.scale, self.yaw_deg or 0.0)
 
 
 class Limits(_Section):
@@ -174,8 +233,13 @@ class Mesh(_Section):
         default=1.0, description="the factor from the unit of the file to metres"
     )
     yaw_deg: Number = Field(default=0.0, description="the angle about the vertical axis in degrees")
-    shape: Literal["box", "hull"] = Field(
-        default="box", description='"box" or "hull", which stands for the mesh in the free space'
+    shape: Literal["box", "hull", "pieces"] = Field(
+        default="box",
+        description='what stands for the mesh, its bounding "box", its convex "hull", or convex '
+        '"pieces"',
+    )
+    pieces: int | None = Field(
+        default=None, ge=1, le=256, description='the most convex pieces with shape = "pieces"'
     )
     file: str = Field(description="the path of a mesh file, relative to the scenario file")
 
@@ -188,6 +252,8 @@ class Mesh(_Section):
         path = os.path.abspath(os.path.join(folder, file))
         try:
             bounding_box(path, info.data.get("scale", 1.0))
+            if info.data.get("shape") == "pieces":
+                require_divisible(path, info.data.get("pieces") or PIECES)
         except MeshError as error:
             raise ValueError(f"cannot be used ({error})") from error
         return path
@@ -202,6 +268,16 @@ class Mesh(_Section):
         """Full size of its bounding box (m)."""
         x, y, z = bounding_box(self.path, self.scale).tolist()
         return x, y, z
+
+    @property
+    def bodies(self) -> tuple[Polytope, ...]:
+        """What stands for it where that is no box: convex bodies about its centre, not turned."""
+        match self.shape:
+            case "hull":
+                return (hull(self.path, self.scale),)
+            case "pieces":
+                return pieces_of(self.path, self.scale, self.pieces or PIECES)
+        return ()
 
 
 def _three_or_more(robots: tuple[Robot, ...]) -> tuple[Robot, ...]:

@@ -45,6 +45,7 @@ with the frame (m), and a factor from the unit of a file (m per such unit)."""
 UNITS: dict[str, dict[str, str]] = {
     "payload": {
         "mass": "kg", "radius": "m", "height": "m", "attachments": "m", "center_of_mass": "m",
+        "size": "m", "scale": SCALE,
     },
     "limits": {
         "tension": "N", "cable_length": "m", "clearance": "m", "cable_radius": "m",

@@ -137,8 +137,8 @@ class Scenario(Statement, Shown):
         """SHA-256 of the content: all values and the bytes of meshes, wherever the files lie."""
         content = self.model_dump(exclude_none=True)  # a new key changes no digest until it is used
         content["limits"].setdefault("joint_limits_deg", None)  # was there before this rule
-        for obstacle in content["obstacles"]:
-            if obstacle["kind"] == "mesh":
+        for obstacle in [content["payload"], *content["obstacles"]]:
+            if "file" in obstacle:
                 data = Path(obstacle["file"]).read_bytes()
                 obstacle["file"] = hashlib.sha256(data).hexdigest()
         text = json.dumps(content, sort_keys=True, separators=(",", ":"), allow_nan=False)

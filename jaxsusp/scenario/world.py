@@ -5,8 +5,10 @@ that worlds of equal robot and (padded) obstacle counts stack and one compiled p
 all. Host code builds it in float64; the fitness casts it to the dtype of its argument.
 """
 
+import functools
 import math
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -15,7 +17,9 @@ import numpy as np
 
 from jaxsusp._types import Array, Float
 from jaxsusp.geometry.collisions import Bodies
-from jaxsusp.geometry.obstacles import KINDS, Obstacles, pack
+from jaxsusp.geometry.obstacles import Obstacles, Placed, hull_counts, pack, pack_hulls
+from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.sums import sums
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.mechanics.posture.load import Load
 from jaxsusp.mechanics.posture.tilting import attachment_motion, warning_half_extents
@@ -100,19 +104,35 @@ class World(NamedTuple):
 
 
 def obstacle_counts(scenarios: Sequence[Statement]) -> tuple[int, ...]:
-    """Least padded number of every kind (`KINDS`) that holds every one of the scenarios."""
+    """Least padded numbers, as `pack` takes them, that hold every one of the scenarios."""
     rows = [_by_kind(scenario) for scenario in scenarios]
-    return tuple(max(len(each[kind]) for each in rows) for kind in KINDS)
+    plain = tuple(max(len(each[kind]) for each in rows) for kind in _PLAIN)
+    hulls = _most(hull_counts(each["hulls"]) for each in rows)
+    sums = _most(hull_counts(load_sums(scenario)) for scenario in scenarios)
+    return plain + ((hulls or (0, 0, 0)) + sums if sums else hulls)
+
+
+def _most(counts: Iterable[tuple[int, ...]]) -> tuple[int, ...]:
+    """The most of each number that there is."""
+    return tuple(max(column) for column in zip(*filter(None, counts), strict=True))
 
 
 def rounded_counts(scenario: Statement) -> tuple[int, ...]:
     """Padded number of every kind: the same for all of them, 16, 64, 256, and so on.
 
     For programs that meet one scenario after the other: nearly all of them share the compiled
-    program, and padding costs no time (`geometry.obstacles.over_bodies`).
+    program, and padding costs no time (`geometry.obstacles.over_bodies`). Hulls are rounded by
+    themselves, and programs of scenarios without any hold none.
     """
-    most = max(obstacle_counts([scenario]))
-    return (rounded_up(most, 16),) * len(KINDS)
+    counts = obstacle_counts([scenario])
+    plain = (rounded_up(max(counts[:3]), 16),) * 3
+    more = zip(counts[3:], (4, 64, 64, 16, 64, 64), strict=False)
+    return plain + tuple(rounded_up(count, least) if count else 0 for count, least in more)
+
+
+def one_at_a_time(scenario: Statement) -> tuple[int, ...]:
+    """Counts for a scenario with one obstacle, the same for nearly all of them."""
+    return (1, 1, 1, *rounded_counts(scenario)[3:])
 
 
 def rounded_up(count: int, least: int) -> int:
@@ -130,7 +150,8 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         if payload.attachments == "hook"
         else np.asarray(payload.attachments, np.float64)
     )
-    shape = warning_shape(scenario)
+    shape, with_load = warning_shape(scenario), load_sums(scenario)
+    counts = tuple(counts or obstacle_counts([scenario]))
     bodies = Bodies(
         radius=_scalar(shape.radius),
         half_height=_scalar(shape.half_height),
@@ -138,6 +159,7 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         clearance=_scalar(limits.clearance),
         attachments=_vector(attachments),
         ends=_vector([robot.end for robot in robots]),
+        sums=pack_hulls(with_load, counts[6:] or hull_counts(with_load)),
     )
     return World(
         start=_vector(scenario.task.start),
@@ -146,7 +168,7 @@ def build_world(scenario: Statement, counts: Sequence[int] | None = None) -> Wor
         upper=_vector(scenario.workspace.upper),
         floor=_scalar(lowest(scenario)[2]),
         bodies=bodies,
-        obstacles=pack(**_by_kind(scenario), counts=counts or obstacle_counts([scenario])),
+        obstacles=_packed(scenario, counts),
         limits=_limits(limits),
         mass=_scalar(payload.mass),
         duration=_scalar(scenario.task.duration),
@@ -179,6 +201,40 @@ def warning_shape(scenario: Statement) -> Shape:
     farthest = max(math.hypot(*attachment) for attachment in payload.attachments)
     wide, high = warning_half_extents(payload.radius, payload.height, turn)
     return Shape(wide, high, limits.cable_radius + attachment_motion(farthest, turn))
+
+
+def load_of(scenario: Statement) -> Polytope | None:
+    """A load with faces, level and about its centre; None where it counts as a cylinder.
+
+    It does where it is one, and where it turns, with separate attachments and fixed ends: then by
+    the cylinder around it.
+    """
+    payload = scenario.payload
+    level = payload.attachments == "hook" or moving(scenario.drive)
+    return payload.body if level else None
+
+
+def load_sums(scenario: Statement) -> list[Placed]:
+    """What the centre of a load with faces keeps out of, per convex body of every obstacle."""
+    load = load_of(scenario)
+    if load is None:
+        return []
+    found = []
+    for obstacle in scenario.obstacles:
+        stated: tuple[Any, Any] = (obstacle, scenario.payload)  # frozen models: they have hashes
+        files = (getattr(each, "file", None) for each in stated)
+        written = tuple(os.stat(file).st_mtime_ns for file in files if file)
+        bodies = _sums_about(*stated, written)
+        found += [Placed(obstacle.center, 0.0, body) for body in bodies]
+    return found
+
+
+@functools.lru_cache(maxsize=1024)
+def _sums_about(obstacle: Any, payload: Any, written: tuple[int, ...]) -> list[Polytope]:
+    """Sums of an obstacle and a load about the obstacle's centre, while their files last."""
+    del written
+    away = tuple(-c for c in obstacle.center)
+    return [body.placed(away, 0.0) for body in sums(obstacle, payload.body)]
 
 
 def lowest(scenario: Statement) -> tuple[float, float, float]:
@@ -243,12 +299,24 @@ def _scalar(value: float) -> np.ndarray:
     return np.array(value, np.float64)
 
 
-def _by_kind(scenario: Statement) -> dict[str, np.ndarray]:
-    """Rows of every kind as `pack` wants them; a mesh counts as its box."""
-    rows: dict[str, list] = {kind: [] for kind in KINDS}
+def _packed(scenario: Statement, counts: Sequence[int]) -> Obstacles:
+    rows = _by_kind(scenario)
+    plain = {kind: np.array(rows[kind]) for kind in _PLAIN}
+    return pack(**plain, counts=counts, hulls=rows["hulls"])
+
+
+_PLAIN = "boxes", "cylinders", "spheres"
+
+
+def _by_kind(scenario: Statement) -> dict[str, list]:
+    """Rows of every kind as `pack` wants them; a mesh counts as what stands for it."""
+    rows: dict[str, list] = {kind: [] for kind in (*_PLAIN, "hulls")}
     for obstacle in scenario.obstacles:
         center = obstacle.center
         match obstacle.kind:
+            case "mesh" if obstacle.shape != "box":
+                yaw = math.radians(obstacle.yaw_deg)
+                rows["hulls"] += [Placed(center, yaw, each) for each in obstacle.bodies]
             case "box" | "mesh":
                 half = [side / 2 for side in obstacle.size]
                 rows["boxes"].append([*center, *half, np.deg2rad(obstacle.yaw_deg)])
@@ -258,4 +326,4 @@ def _by_kind(scenario: Statement) -> dict[str, np.ndarray]:
                 rows["spheres"].append([*center, obstacle.radius])
             case _:
                 raise ValueError(f"no arrays for an obstacle of kind {obstacle.kind!r}")
-    return {kind: np.array(each) for kind, each in rows.items()}
+    return rows

@@ -16,7 +16,6 @@ from jaxsusp.freespace.build import free_space
 from jaxsusp.freespace.cells.passage import passage_width
 from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
-from jaxsusp.geometry.obstacles import KINDS
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.problem.fitness import position_terms
 from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
@@ -192,7 +191,7 @@ def _faults(scenario: Scenario, polyline: Points) -> tuple[int, int]:
     """(n_p, n_g) of a finely sampled polyline, in float64."""
     padded = len(scenario.obstacles)  # of every kind: one compiled program for all such scenes
     with jax.enable_x64(True):
-        world = build_world(scenario, [padded] * len(KINDS))
+        world = build_world(scenario, [padded] * 3)
         position = Vec3(*(jnp.asarray(c) for c in _sampled(polyline).T))
         collisions, violations = _count_faults(world, position, scenario.drive)
         return int(collisions), int(violations)

@@ -5,6 +5,7 @@ general, so boxes are convex meshes of eight vertices here; mesh vertices are si
 which moves a face by up to 1e-7 m.
 """
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,6 +40,24 @@ class BoxShape(NamedTuple):
             meshname=name,
             pos=self.center,
             quat=[np.cos(self.yaw / 2), 0, 0, np.sin(self.yaw / 2)],
+        )
+
+
+class HullShape(NamedTuple):
+    """The convex hull of corners (m)."""
+
+    corners: np.ndarray
+
+    def support(self, normals):
+        """Greatest normal · point over the body (m)."""
+        return (normals @ self.corners.T).max(axis=1)
+
+    def add(self, spec, name):
+        """A convex mesh about the middle of its corners, where single precision is finest."""
+        middle = self.corners.mean(axis=0)
+        spec.add_mesh(name=name, uservert=(self.corners - middle).ravel())
+        spec.worldbody.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, pos=middle
         )
 
 
@@ -109,12 +128,23 @@ class GroundShape(NamedTuple):
         )
 
 
-Shape = BoxShape | CylinderShape | CapsuleShape
+Shape = BoxShape | HullShape | CylinderShape | CapsuleShape
 """Convex bodies that know how far they reach in a direction, and how to become a geom."""
 
 
+def named_shapes(obstacle: Any, name: str) -> Iterator[tuple[str, Shape]]:
+    """The exact bodies of an obstacle with their names: one, or the pieces of a mesh."""
+    if obstacle.kind == "mesh" and obstacle.shape != "box":
+        bodies = obstacle.bodies
+        for number, body in enumerate(bodies, start=1):
+            corners = body.placed(obstacle.center, obstacle.yaw_deg).corners
+            yield f"{name}, piece {number}" if len(bodies) > 1 else name, HullShape(corners)
+    else:
+        yield name, obstacle_shape(obstacle)
+
+
 def obstacle_shape(obstacle: Any) -> Shape:
-    """The exact body of an obstacle; a mesh gives way to its bounding box."""
+    """The exact body of an obstacle that is one; a mesh gives way to its bounding box."""
     center = np.asarray(obstacle.center, np.float64)
     match obstacle.kind:
         case "box" | "mesh":
@@ -136,6 +166,7 @@ class Body(NamedTuple):
     radius: float = 0.0  # m
     half_height: float | None = None  # m, of the load
     obstacle: Shape | GroundShape | None = None
+    load: HullShape | None = None  # about its point, of a load with faces
 
     @property
     def below(self) -> float:
@@ -146,6 +177,8 @@ class Body(NamedTuple):
         """How far the body goes beyond its points in given directions (m)."""
         if self.obstacle is not None:
             return self.obstacle.support(normals)
+        if self.load is not None:
+            return self.load.support(normals)
         if self.half_height is None:
             return np.full(len(normals), self.radius)
         level = np.hypot(normals[:, 0], normals[:, 1])

@@ -14,7 +14,14 @@ from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import attachments_of
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.armmodel import add_robots, servo_names, servo_positions
-from jaxsusp.verify.bodies import BoxShape, CapsuleShape, CylinderShape, Shape, obstacle_shape
+from jaxsusp.verify.bodies import (
+    BoxShape,
+    CapsuleShape,
+    CylinderShape,
+    HullShape,
+    Shape,
+    named_shapes,
+)
 from jaxsusp.verify.engine import mujoco
 
 # All of these are in the task's own units (see `jaxsusp.scenario.ownunits`), which are those of the
@@ -130,7 +137,8 @@ def _surroundings(spec: Any, rigging: Rigging) -> None:
         _floor(world, [middle[0], middle[1], height], units.length)
     for number, obstacle in enumerate(rigging.scenario.obstacles, start=1):
         name = f"{number} {obstacle.name or f'obstacle {number}'}"
-        _geom(world, name, obstacle_shape(obstacle))
+        for part, shape in named_shapes(obstacle, name):
+            _geom(spec, part, shape)
 
 
 def _floor(world: Any, place: list[float], length: float) -> None:
@@ -141,11 +149,15 @@ def _floor(world: Any, place: list[float], length: float) -> None:
     )  # fmt: skip
 
 
-def _geom(world: Any, name: str, shape: Shape) -> None:
+def _geom(spec: Any, name: str, shape: Shape) -> None:
     """An obstacle; like all that is not the load it is in contact with the load only."""
     look = {"name": name, "rgba": _STONE, "contype": 0}
-    kinds = mujoco.mjtGeom
+    kinds, world = mujoco.mjtGeom, spec.worldbody
     match shape:
+        case HullShape():
+            shape.add(spec, name)
+            geom = spec.geom(name)
+            geom.rgba, geom.contype = _STONE, 0
         case BoxShape(center, half, yaw):
             turn = [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
             world.add_geom(type=kinds.mjGEOM_BOX, pos=center, size=half, quat=turn, **look)
@@ -163,19 +175,29 @@ def _load(spec: Any, rigging: Rigging) -> None:
     body = spec.worldbody.add_body(name="load", pos=rigging.scenario.task.start)
     for name, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])):
         body.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis)
+    faces = payload.body
     inertia = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4 + hook**2)
+    if faces is not None:
+        inertia = payload.mass * float(faces.inertia[:2, :2].trace() / 2 + hook**2)
     stiffness = payload.mass * 9.81 * hook  # of the pendulum about the hook, N m/rad
     damping = 2 * SWING_DAMPING * np.sqrt(inertia * stiffness)
     turn = body.add_joint(name="turn", type=mujoco.mjtJoint.mjJNT_BALL)
     turn.damping = np.full(np.shape(turn.damping), damping) if np.ndim(turn.damping) else damping
-    body.add_geom(
-        name="load", type=mujoco.mjtGeom.mjGEOM_CYLINDER, rgba=_LOAD,
-        size=[payload.radius, payload.height / 2, 0],
-    )  # fmt: skip
-    across = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4)
     body.explicitinertial, body.mass = True, payload.mass
     body.ipos = payload.center_of_mass
-    body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
+    if faces is None:
+        body.add_geom(
+            name="load", type=mujoco.mjtGeom.mjGEOM_CYLINDER, rgba=_LOAD,
+            size=[payload.radius, payload.height / 2, 0],
+        )  # fmt: skip
+        across = payload.mass * (payload.height**2 / 12 + payload.radius**2 / 4)
+        body.inertia = [across, across, payload.mass * payload.radius**2 / 2]
+    else:
+        spec.add_mesh(name="load", uservert=faces.corners.ravel())
+        kind = mujoco.mjtGeom.mjGEOM_MESH
+        body.add_geom(name="load", type=kind, meshname="load", rgba=_LOAD)
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (payload.mass * faces.inertia).tolist()
+        body.fullinertia = [xx, yy, zz, xy, xz, yz]
     dot = rigging.scenario.units.number(0.02, "m")
     for k, place in enumerate(attachments_of(rigging.scenario)):
         body.add_site(name=f"attachment {k + 1}", pos=place, size=[dot] * 3, rgba=_CABLE)

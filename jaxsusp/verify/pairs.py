@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jaxsusp._types import Float
-from jaxsusp.scenario.world import attachments_of, warning_shape
+from jaxsusp.scenario.world import attachments_of, load_of, warning_shape
 from jaxsusp.suspension.armclearance import NEAR_END
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.bodies import Body, GroundShape, obstacle_shape
+from jaxsusp.verify.bodies import Body, GroundShape, HullShape, named_shapes
 from jaxsusp.verify.elbow import elbow
 
 NEAR_HOOK = 0.1
@@ -69,12 +69,17 @@ class System:
         nowhere = self._point()
         assert nowhere == 0
         obstacles = [
-            self._body(obstacle.name or f"obstacle {i}", obstacle=obstacle_shape(obstacle))
+            self._body(name, obstacle=shape)
             for i, obstacle in enumerate(scenario.obstacles, start=1)
+            for name, shape in named_shapes(obstacle, obstacle.name or f"obstacle {i}")
         ]
         shape = warning_shape(scenario)
         center = self._point(along=1.0)
-        load = self._body("load", center, center, shape.radius, shape.half_height)
+        faces = load_of(scenario)
+        load = self._body(
+            "load", center, center, shape.radius, shape.half_height,
+            load=None if faces is None else HullShape(faces.corners),
+        )  # fmt: skip
         upper = [self._on_cable(k, 1.0) for k in cables]
         lower = [self._on_cable(k, 0.0) for k in cables]
         lines = [

@@ -30,6 +30,8 @@ class Scene:
             name, radius = f"{index}", max(body.radius, THIN)
             if body.obstacle is not None:
                 body.obstacle.add(spec, name)
+            elif body.load is not None:
+                body.load.add(spec, name)
             elif body.half_height is not None:
                 size = [radius, body.half_height, 0]
                 spec.worldbody.add_geom(name=name, type=kinds.mjGEOM_CYLINDER, size=size)
@@ -41,12 +43,16 @@ class Scene:
         self._data = mujoco.MjData(self._model)
         mujoco.mj_forward(self._model, self._data)
         self._touch = np.zeros(6)
+        self._middle = self._data.geom_xpos.copy()  # a mesh has its frame in its centre of mass
 
     def place(self, index: int, first: np.ndarray, second: np.ndarray) -> None:
         """Put a body where its points are (m)."""
         if self._bodies[index].obstacle is not None:
             return
         self._data.geom_xpos[index] = (first + second) / 2
+        if self._bodies[index].load is not None:
+            self._data.geom_xpos[index] += self._middle[index]
+            return
         if self._bodies[index].half_height is None:
             self._stretch(index, second - first)
 

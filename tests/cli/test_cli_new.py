@@ -85,6 +85,9 @@ def test_every_key_is_there_and_its_remark_tells_the_default_that_holds():
     fields = Statement.model_fields
     for table in ("payload", "workspace", "task", "fitness"):
         assert keys[table] == fields[table].annotation.model_fields.keys()
+    for example in ("size", "file", "scale", "yaw_deg"):  # of loads that are no cylinder
+        assert example in document["payload"]
+        del document["payload"][example]
     assert Statement.model_validate(document).model_dump() == bare
     for kind in ("box", "cylinder", "sphere", "mesh"):
         assert f'kind = "{kind}"' in text

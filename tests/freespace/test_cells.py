@@ -18,7 +18,7 @@ from jaxsusp.freespace.cells.subdivision import NAMED, Cells, subdivide
 from jaxsusp.freespace.cells.ways import joined, shortest, widest
 from jaxsusp.scenario.models import Box, Mesh
 from jaxsusp.scenario.world import attachments_of, warning_shape
-from jaxsusp.verify.bodies import Body, obstacle_shape
+from jaxsusp.verify.bodies import Body, named_shapes
 from jaxsusp.verify.scene import Scene
 
 
@@ -26,7 +26,11 @@ def measured(scenario: js.Scenario, points: np.ndarray) -> np.ndarray:
     """Room of load and cables in view of every obstacle by MuJoCo, (points, obstacles, 1 + K)."""
     shape, ends = warning_shape(scenario), [robot.end for robot in scenario.robots]
     lines = [Body("cable", radius=shape.cable_radius) for _ in ends]
-    stones = [Body("stone", obstacle=obstacle_shape(each)) for each in scenario.obstacles]
+    stones = [
+        Body(name, obstacle=shape)
+        for each in scenario.obstacles
+        for name, shape in named_shapes(each, "stone")
+    ]
     load = Body("load", radius=shape.radius, half_height=shape.half_height)
     scene, first = Scene([load, *lines, *stones]), 1 + len(ends)
     found = np.empty((len(points), len(stones), first))
@@ -85,10 +89,10 @@ def test_room_is_the_distance_that_a_certificate_measures(seed):
         assert (upper >= which[apart] + 1e-6).all()
 
 
-def test_a_mesh_blocks_as_its_box_as_in_a_certificate(tmp_path):
-    """Also where its hull stands for it in the regions of the free space."""
+@pytest.mark.parametrize("shape", ["box", "hull"])
+def test_a_mesh_blocks_as_what_stands_for_it_in_a_certificate(tmp_path, shape):
     trimesh.creation.icosphere(radius=1.0).export(tmp_path / "ball.stl")
-    ball = Mesh(center=(0.0, 0.0, 1.5), shape="hull", file=str(tmp_path / "ball.stl"), yaw_deg=30.0)
+    ball = Mesh(center=(0.0, 0.0, 1.5), shape=shape, file=str(tmp_path / "ball.stl"), yaw_deg=30.0)
     scenario = frame().model_copy(update={"obstacles": (ball,)})
     cells = subdivide(forbidden_of(scenario), Errand.of(scenario), 64, all_obstacles=True)
     random = np.random.default_rng(0)

@@ -17,8 +17,9 @@ from jaxsusp.geometry.collisions import (
     with_margin,
 )
 from jaxsusp.geometry.depths import DEPTHS
-from jaxsusp.geometry.obstacles import KINDS, pack
+from jaxsusp.geometry.obstacles import KINDS, Placed, pack
 from jaxsusp.geometry.penetration import charge, deepest, sum_depths
+from jaxsusp.geometry.polytopes import hull_of
 from jaxsusp.vec3 import Vec3
 
 UNIT = 0.1
@@ -26,7 +27,11 @@ SAMPLES, BATCH = 7, 400
 BOXES = [[0.3, 0.2, 0.9, 0.2, 0.1, 0.3, 0.6]]
 CYLINDERS = [[-0.5, 0.1, 0.5, 0.15, 0.4]]
 SPHERES = [[0.1, -0.6, 1.2, 0.2]]
-OBSTACLES = pack(np.array(BOXES), np.array(CYLINDERS), np.array(SPHERES), (1, 2, 1))
+HULL = hull_of(np.array([[0, 0, 0], [0.5, 0, 0], [0, 0.4, 0], [0.1, 0.1, 0.6]]))
+OBSTACLES = pack(
+    np.array(BOXES), np.array(CYLINDERS), np.array(SPHERES), (1, 2, 1),
+    [Placed((0.6, -0.4, 0.8), 0.4, HULL)],
+)  # fmt: skip
 QUICKLY = {"xla_backend_optimization_level": 0, "xla_llvm_disable_expensive_passes": True}
 """To compile what runs for milliseconds."""
 

@@ -12,11 +12,12 @@ from trimesh.creation import box as box_mesh
 import jaxsusp as js
 from jaxsusp.freespace.bodies import obstacle_bodies
 from jaxsusp.geometry.collisions import Bodies, count_collisions
-from jaxsusp.report.drawing.solids import of_obstacle
+from jaxsusp.geometry.contacts import segments_clear
+from jaxsusp.report.drawing.solids import of_obstacles
 from jaxsusp.scenario.models import Obstacle
 from jaxsusp.scenario.world import build_world
 from jaxsusp.vec3 import Vec3
-from jaxsusp.verify.bodies import obstacle_shape
+from jaxsusp.verify.bodies import named_shapes
 from jaxsusp.verify.model import _geom as add_obstacle
 
 count = jax.jit(count_collisions)  # not jitted, it is compiled anew with every call
@@ -30,14 +31,18 @@ SAMPLES = {
 KINDS = {each.model_fields["kind"].default: each for each in get_args(get_args(Obstacle)[0])}
 
 
+NAMES = [*SAMPLES, "hull"]
+
+
 @pytest.fixture
 def scenario(request, tmp_path, scenarios) -> js.Scenario:
     """The first benchmark scenario with one obstacle of the kind."""
-    kind = request.param
+    kind = "mesh" if request.param == "hull" else request.param
     content = scenarios[0].model_dump() | {"obstacles": [{"kind": kind} | PLACE | SAMPLES[kind]]}
     if kind == "mesh":
         box_mesh((0.8, 1.2, 1.6)).export(tmp_path / "crate.stl")
         content["obstacles"][0]["file"] = str(tmp_path / "crate.stl")
+        content["obstacles"][0]["shape"] = "hull" if request.param == "hull" else "box"
     return js.Scenario.model_validate(content)
 
 
@@ -46,21 +51,22 @@ def test_every_kind_has_a_row():
     assert SAMPLES.keys() == KINDS.keys()
 
 
-@pytest.mark.parametrize("scenario", SAMPLES, indirect=True)
+@pytest.mark.parametrize("scenario", NAMES, indirect=True)
 @pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3)])
 def test_all_rooms_agree_where_the_body_ends(scenario, axis):
     """Along an axis from the centre: drawn, measured, packed and avoided, it is the same body."""
     (obstacle,) = scenario.obstacles
     center = np.array(obstacle.center)
-    far = obstacle_shape(obstacle).support(axis[None])[0] - axis @ center
+    ((_, shape),) = named_shapes(obstacle, "obstacle")
+    far = shape.support(axis[None])[0] - axis @ center
     assert far > 0.1
-    corners = of_obstacle(obstacle).corners - center
+    corners = of_obstacles([obstacle])[0].corners - center
     assert (corners @ axis).max() == pytest.approx(far, rel=0.02)
 
     def met(start, stop) -> bool:
         packed = build_world(scenario).obstacles
         a, b = (Vec3(*(center + share * axis)) for share in (start, stop))
-        return any(bool(np.any(kind.met_by(a, b, np.array(0.0)))) for kind in packed)
+        return not segments_clear(a, b, np.array(0.0), packed)
 
     assert met(far - 1e-6, far + 1)
     assert not met(far + 1e-6, far + 1)
@@ -81,7 +87,7 @@ def test_all_rooms_agree_where_the_body_ends(scenario, axis):
     assert not counted(far + 1e-6)
 
     spec = mujoco.MjSpec()
-    add_obstacle(spec.worldbody, "obstacle", obstacle_shape(obstacle))
+    add_obstacle(spec, "obstacle", shape)
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

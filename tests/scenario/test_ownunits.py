@@ -24,7 +24,7 @@ SECTIONS = {
 }
 WITHOUT_UNIT = {
     "kind", "name", "file", "shape", "yaw_deg", "posture_deg", "stability", "safety_factor",
-    "joint_limits_deg",
+    "joint_limits_deg", "pieces",
 }  # fmt: skip
 
 frames = st.builds(

@@ -2,7 +2,9 @@
 
 import pickle
 
+import numpy as np
 import pytest
+import trimesh
 from pydantic import ValidationError
 from statements import MINIMAL, TOWER, changed, complaint, mesh_table
 
@@ -53,13 +55,15 @@ from jaxsusp.scenario.scenario import Scenario, load_scenario
             "height = 0.3",
             "height = 0.3, colour = 3",
             "payload.colour = 3 is not a known key; "
-            "known are mass, radius, height, attachments, center_of_mass",
+            "known are mass, radius, height, size, file, scale, yaw_deg, attachments, "
+            "center_of_mass",
         ),
         (
             "height = 0.3",
             'height = 0.3, "heavy\\nload" = 3',
             'payload."heavy\\nload" = 3 is not a known key; '
-            "known are mass, radius, height, attachments, center_of_mass",
+            "known are mass, radius, height, size, file, scale, yaw_deg, attachments, "
+            "center_of_mass",
         ),
         (
             "height = 0.3",
@@ -308,6 +312,31 @@ def test_a_mesh_that_cannot_be_used_is_refused(tmp_path, keys, start, end):
     line = complaint(MINIMAL + mesh_table(**keys), tmp_path / "my.toml")
     assert line.startswith(f"{tmp_path}/my.toml: obstacles[0].{start}")
     assert line.endswith(f"{end}; give the path of a mesh file, relative to the scenario file")
+
+
+@pytest.mark.parametrize(
+    ("size", "scale", "found"),
+    [
+        (1200, 1.0, "1.2e+03 m across, 1.7e+02 times the workspace: is the file in millimetres?; "
+         "give scale = 0.001, or the factor to metres"),
+        (0.9, 0.001, "0.0009 m across, 0.00013 times the workspace; give the factor from its unit "
+         "to metres, 1 for metres, 0.001 for millimetres"),
+    ],
+)  # fmt: skip
+def test_a_mesh_in_another_unit_is_refused(tmp_path, size, scale, found):
+    trimesh.creation.box((size, size / 2, size / 3)).export(tmp_path / "part.stl")
+    table = mesh_table(file="part.stl", scale=scale, name="part")
+    line = complaint(MINIMAL + table, tmp_path / "my.toml")
+    assert line.endswith(f'obstacles[0] "part".scale = {scale} makes it {found}')
+
+
+def test_an_open_mesh_has_no_pieces(tmp_path):
+    shell = trimesh.creation.box((1, 1, 1))
+    shell.update_faces(np.arange(12) > 0)
+    shell.export(tmp_path / "open.stl")
+    line = complaint(MINIMAL + mesh_table(shape="pieces", file="open.stl"), tmp_path / "my.toml")
+    assert "open.stl is not closed, 3 of its edges" in line
+    assert 'or give shape = "hull"); give the path' in line
 
 
 def test_a_scenario_built_in_python_is_checked_too():

@@ -14,7 +14,7 @@ def cache(
     removed: Annotated[bool, flag("--clear", "Remove all of it.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Show what is kept for the next time: free spaces and compiled programs; or remove it.
+    """Show what is kept for the next time: free spaces, compiled programs, pieces; or remove it.
 
     JAXSUSP_CACHE names another folder, JAXSUSP_NO_CACHE=1 keeps nothing.
     """

@@ -63,6 +63,7 @@ def _show(found: "Examination", source: str) -> None:
 def _record(found: "Examination", picture: Path) -> dict[str, Any]:
     from jaxsusp.planning.prospects.stated import keys_of, unfitting
     from jaxsusp.report.browser.packing import plain
+    from jaxsusp.report.examination import mesh_records
 
     scenario, space = found.scenario, found.workspace
     keys = keys_of(scenario)
@@ -78,6 +79,7 @@ def _record(found: "Examination", picture: Path) -> dict[str, Any]:
         "volumes_m3": {
             "admissible": space.volume(space.admissible), "usable": space.volume(space.usable),
         },
+        "meshes": mesh_records(scenario),
         "misplaced": [each._asdict() for each in found.blocked],
         "passage": plain(found.passage and found.passage._asdict()),
         "refusal": found.refusal and found.refusal._asdict(),

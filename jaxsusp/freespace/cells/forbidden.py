@@ -1,24 +1,29 @@
 """What is forbidden to the load's centre, by exact distances instead of circumscribed polyhedra.
 
 Every obstacle, as it is or grown by the load, is one formula: a level rectangle rounded by a disk,
-times an upright interval, rounded by a ball. Its distance from a point is a closed form. Two sets
+times an upright interval, rounded by a ball. Its distance from a point is a closed form; what has
+faces instead is left to `cells.faceted`. Two sets
 of positions follow, and both are convex: where the load is too near to an obstacle (a Minkowski
 sum), and where a cable with a fixed end P is ({P + s (o - P) : s >= 1, o too near}, a shadow).
 A cell is therefore wholly inside such a set iff its corners are.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from jaxsusp.freespace.cells.faceted import Faceted, around_cable, around_load, around_sum
 from jaxsusp.freespace.polyhedra import Point
+from jaxsusp.geometry.polytopes import Polytope
+from jaxsusp.geometry.sums import inner_points, sums
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.scenario.messages import numbered
 from jaxsusp.scenario.scenario import Scenario
-from jaxsusp.scenario.world import attachments_of, lowest, warning_shape
+from jaxsusp.scenario.world import attachments_of, load_of, lowest, warning_shape
 
 SAFE = 2e-5
 """m by which a distance must fall short before it counts as short: a certificate rounds by 1e-6 m,
@@ -60,6 +65,7 @@ class Forbidden:
     cable: Int[np.ndarray, " bodies"]  # the cable that casts it, -1: the load's own
     columns: Float[np.ndarray, "numbers bodies"]  # see `_column`
     steps: int = STEPS
+    faceted: dict[int, Faceted] = field(default_factory=dict)  # those with faces, by their column
 
     def __len__(self) -> int:
         return len(self.owner)
@@ -116,8 +122,11 @@ class Forbidden:
         return self._some((rooms <= least + reach).any(axis=0))
 
     def _some(self, kept: np.ndarray) -> "Forbidden":
-        columns = self.columns[:, kept]
-        return Forbidden(self.names, self.owner[kept], self.cable[kept], columns, self.steps)
+        columns, which = self.columns[:, kept], np.flatnonzero(kept).tolist()
+        faceted = {i: self.faceted[body] for i, body in enumerate(which) if body in self.faceted}
+        return Forbidden(
+            self.names, self.owner[kept], self.cable[kept], columns, self.steps, faceted
+        )
 
     def _room(self, points: np.ndarray, body: np.ndarray, inner: bool) -> np.ndarray:
         found = np.empty(len(points))
@@ -133,7 +142,20 @@ class Forbidden:
                 found[rows] = distance + (SAFE if inner else -over) - required
             else:
                 found[rows] = (core.smaller(SAFE) if inner else core).distance(a) - required
+        for which in np.intersect1d(body, [*self.faceted]).tolist():
+            rows = np.flatnonzero(body == which)
+            found[rows] = self._beside_faces(points[rows], which, inner)
         return found
+
+    def _beside_faces(self, points: np.ndarray, body: int, inner: bool) -> np.ndarray:
+        """As `_room`, of one body that has faces."""
+        column, way, over = self.columns[:, body], None, 0.0
+        if self.cable[body] >= 0:
+            points = points + column[14:17]
+            way = column[11:14] - points
+            over = np.linalg.norm(way, axis=1) * 0.5**self.steps
+        excess = self.faceted[body].excess(points, way, self.steps, inner)
+        return excess if inner else excess - over - column[10]
 
 
 class _Core:
@@ -180,8 +202,8 @@ class _Core:
 def forbidden_of(scenario: Scenario, cables: bool = True, steps: int = STEPS) -> Forbidden:
     """What a certificate refuses: too small a distance of load or cables from an obstacle.
 
-    Meshes are their boxes, as in a certificate. Where ends move, or are not settled, a position
-    does not say where the cables are: the load's own bodies alone are left.
+    Meshes are what stands for them, as in a certificate. Where ends move, or are not settled, a
+    position does not say where the cables are: the load's own bodies alone are left.
 
     Args:
         scenario: the task; its ends are as given.
@@ -193,19 +215,42 @@ def forbidden_of(scenario: Scenario, cables: bool = True, steps: int = STEPS) ->
     rows = [*zip(scenario.robots, attachments_of(scenario), strict=True)]
     if moving(scenario.drive) or not cables:
         rows = []
+    faceted, load, inside = {}, load_of(scenario), max(clear - SAFE, 0.0)
     for i, obstacle in enumerate(scenario.obstacles):
         names.append(numbered("obstacles", i, obstacle.name))
-        bare = _column(obstacle)
-        columns.append(bare + _at(7, shape.half_height, shape.radius, 0, clear))
-        columns += [
-            bare + _at(10, shape.cable_radius + clear, *robot.end, *hung) for robot, hung in rows
-        ]
-        owner += [i] * (1 + len(rows))
-        cable += [*range(-1, len(rows))]
+        met = [] if load is None else _met(obstacle, load)
+        for part, (bare, solid) in enumerate(_bare(obstacle)):
+            if load is not None:
+                faceted[len(columns)] = around_sum(*met[part], inside)
+            elif solid is not None:
+                grown = around_load(solid, shape.radius, shape.half_height, inside)
+                faceted[len(columns)] = grown
+            if solid is not None:
+                held = around_cable(solid, shape.cable_radius, inside)
+                faceted |= {len(columns) + 1 + k: held for k in range(len(rows))}
+            columns.append(bare + _at(7, shape.half_height, shape.radius, 0, clear))
+            required = clear if solid is not None else shape.cable_radius + clear
+            columns += [bare + _at(10, required, *robot.end, *hung) for robot, hung in rows]
+            owner += [i] * (1 + len(rows))
+            cable += [*range(-1, len(rows))]
     return Forbidden(
         tuple(names), np.array(owner, int), np.array(cable, int),
-        np.array(columns, np.float64).reshape(-1, _NUMBERS).T.copy(), steps,
+        np.array(columns, np.float64).reshape(-1, _NUMBERS).T.copy(), steps, faceted,
     )  # fmt: skip
+
+
+def _met(obstacle: Any, load: Polytope) -> list[tuple[Polytope, np.ndarray]]:
+    """Sums of the bodies of an obstacle with a load, and points within each."""
+    return [*zip(sums(obstacle, load), inner_points(obstacle, load), strict=True)]
+
+
+def _bare(obstacle: Any) -> Iterator[tuple[np.ndarray, Polytope | None]]:
+    """The column of an obstacle, and what it is where that has faces: one of each convex body."""
+    if obstacle.kind == "mesh" and obstacle.shape != "box":
+        for body in obstacle.bodies:
+            yield _at(0, *obstacle.center, 1.0), body.placed(obstacle.center, obstacle.yaw_deg)
+    else:
+        yield _column(obstacle), None
 
 
 _NUMBERS = 17

@@ -105,7 +105,9 @@ def riding(scenario: Scenario, followed: bool) -> Riding:
 
 
 def swing_period(payload: Payload) -> float:
-    """Period of small swings of an upright cylinder about its hook (s)."""
+    """Period of small swings of a load about its hook (s), the slowest of a box or a hull."""
     below = payload.height / 2 - payload.center_of_mass[2]
     radius = payload.radius**2 / 4 + payload.height**2 / 12 + below**2  # of gyration, squared
+    if (body := payload.body) is not None:
+        radius = np.linalg.eigvalsh(body.inertia[:2, :2]).max() + below**2
     return float(2 * np.pi * np.sqrt(radius / (GRAVITY * below)))

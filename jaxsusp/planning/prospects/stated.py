@@ -18,6 +18,7 @@ _UNLIMITED = ("speed", "acceleration", "jerk", "cable_speed")
 
 _IN_WORDS = {
     "ground": "at the lowest base", "joint_limits_deg": "none",
+    "pieces": "16",
     "joint_speed_deg": "90 where arms move", **dict.fromkeys(_UNLIMITED, "none"),
 }  # fmt: skip
 """What the absence of a value means."""
@@ -52,6 +53,8 @@ def _keys(table: str, model: BaseModel) -> Iterator[Key]:
             for number, each in enumerate(value):
                 yield from _keys(f"{path}[{number}]", each)
         else:
+            if value is None and table == "payload":
+                continue  # of loads of another shape
             yield Key(table, key, _IN_WORDS[key] if value is None else value_text(value), given)
 
 

@@ -41,6 +41,11 @@ def body_layers(bodies: Sequence[Body], room: HalfSpaces) -> dict[str, Any]:
     return {who: _shape(parts) for who, parts in sorted(found.items())}
 
 
+def triangles_of(corners: Points) -> dict[str, Any]:
+    """Triangles of a convex body by its corners, counter-clockwise from outside."""
+    return _shape([corners])["triangles"]
+
+
 def _told(space: FreeSpace) -> str:
     parts = f"{len(space.d)} regions cover {100 * space.coverage:.1f} % of the free space"
     return parts if space.connected else f"{parts}. {space.reason}"

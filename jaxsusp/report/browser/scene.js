@@ -317,8 +317,8 @@ class Stage {
       if (hit) {
         const { starts } = this.stones.userData;
         const i = starts.findLastIndex((start) => start <= hit.faceIndex);
-        const { name: own, kind } = this.data.obstacles[i];
-        name = kind === "mesh" ? `${own} (mesh, as its box)` : own === kind ? own : `${own} (${kind})`;
+        const { name: own, kind, stands } = this.data.obstacles[i];
+        name = kind === "hull" ? `${own} (mesh, ${stands})` : kind === "mesh" ? `${own} (mesh, as its box)` : own === kind ? own : `${own} (${kind})`;
       }
     }
     this.canvas.title = name;

@@ -4,6 +4,7 @@ WebGL computes in single precision, which is coarser than a cable in survey coor
 and lengths are those of `scenario.own`; `frame` makes metres in the world of them, for words.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from jaxsusp.errors import InputError
 from jaxsusp.freespace.bodies import bodies_of
 from jaxsusp.freespace.polyhedra import Body, HalfSpaces
 from jaxsusp.freespace.space import FreeSpace
-from jaxsusp.report.browser.layers import body_layers, region_layer
+from jaxsusp.report.browser.layers import body_layers, region_layer, triangles_of
 from jaxsusp.report.drawing.room import ground_of
 from jaxsusp.report.drawing.scales import anchor, decimals
 from jaxsusp.report.drawing.style import CABLES
@@ -48,6 +49,7 @@ def scene_of(
         "payload": {
             "radius": payload.radius,
             "height": payload.height,
+            "triangles": None if payload.body is None else triangles_of(payload.body.corners),
             "attachments": attachments_of(own),
         },
         "cableRadius": limits.cable_radius,
@@ -57,7 +59,11 @@ def scene_of(
         "robots": [
             {"column": robot.column_radius, "link": robot.link_radius} for robot in own.robots
         ],
-        "obstacles": [_obstacle(i, each) for i, each in enumerate(own.obstacles, start=1)],
+        "obstacles": [
+            row
+            for i, each in enumerate(own.obstacles, start=1)
+            for row in _obstacle(i, each, limits.clearance)
+        ],
         "notes": [],
         "regions": None,
         "bodies": {},
@@ -121,21 +127,31 @@ def _room(own: Scenario) -> HalfSpaces:
     return HalfSpaces.box(np.array([x, y, min(z, ground_of(own))]), upper)
 
 
-def _obstacle(number: int, obstacle: Any) -> dict[str, Any]:
-    """Kind and size, in own units; a mesh is drawn as the box that stands for it."""
+def _obstacle(number: int, obstacle: Any, clear: float) -> Iterator[dict[str, Any]]:
+    """Kind and size, in own units; a mesh is drawn as what stands for it, a row per body."""
     found = {
         "name": obstacle.name or f"obstacle {number}",
         "kind": obstacle.kind,
         "center": obstacle.center,
     }
     match obstacle.kind:
+        case "mesh" if obstacle.shape != "box":
+            stands = "as its hull" if obstacle.shape == "hull" else "a piece of it"
+            for body in obstacle.bodies:
+                shape = body.placed((0.0, 0.0, 0.0), obstacle.yaw_deg)
+                yield {
+                    **found, "kind": "hull", "stands": stands,
+                    "triangles": triangles_of(shape.corners),
+                    "wide": triangles_of(shape.larger(clear).corners),
+                }  # fmt: skip
         case "box" | "mesh":
-            return {**found, "size": obstacle.size, "yaw": np.deg2rad(obstacle.yaw_deg)}
+            yield {**found, "size": obstacle.size, "yaw": np.deg2rad(obstacle.yaw_deg)}
         case "cylinder":
-            return {**found, "radius": obstacle.radius, "height": obstacle.height}
+            yield {**found, "radius": obstacle.radius, "height": obstacle.height}
         case "sphere":
-            return {**found, "radius": obstacle.radius}
-    raise ValueError(f"cannot show an obstacle of kind {obstacle.kind!r}")
+            yield {**found, "radius": obstacle.radius}
+        case _:
+            raise ValueError(f"cannot show an obstacle of kind {obstacle.kind!r}")
 
 
 def same_task(space: FreeSpace, scenario: Statement) -> bool:

@@ -11,6 +11,9 @@ function obstacleShape(obstacle, clearance = 0) {
   } else if (obstacle.kind === "sphere") {
     shape = new THREE.SphereGeometry(obstacle.radius + clearance, 32, 20);
     shape.rotateX(Math.PI / 2);
+  } else if (obstacle.kind === "hull") {
+    shape = geometryOf(clearance ? obstacle.wide : obstacle.triangles);
+    shape.computeVertexNormals();
   } else {
     shape = new THREE.BoxGeometry(...obstacle.size.map((side) => side + grown));
     shape.rotateZ(obstacle.yaw);

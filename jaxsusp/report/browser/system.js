@@ -52,8 +52,15 @@ class System {
   /** The load, with a shadow straight below it that tells where it is. */
   hang(payload) {
     const { theme, data } = this.scene;
-    const shape = new THREE.CylinderGeometry(payload.radius, payload.radius, payload.height, 40);
-    this.load = new THREE.Mesh(shape.rotateX(Math.PI / 2), this.material(theme.load));
+    let shape;
+    if (payload.triangles) {
+      shape = geometryOf(payload.triangles);
+      shape.computeVertexNormals();
+    } else {
+      shape = new THREE.CylinderGeometry(payload.radius, payload.radius, payload.height, 40);
+      shape.rotateX(Math.PI / 2);
+    }
+    this.load = new THREE.Mesh(shape, this.material(theme.load));
     this.groups.cables.add(this.load);
     if (this.ghost) return;
     const flat = { color: theme.shade, transparent: true, opacity: 0.3, depthWrite: false };

@@ -25,7 +25,7 @@ from jaxsusp.report.drawing.painting import (
 )
 from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import frame_plane
-from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.report.drawing.solids import Camera, Solid, of_load, of_obstacles, solids_of
 from jaxsusp.report.drawing.style import (
     INK,
     QUIET,
@@ -108,7 +108,7 @@ def stage(
         width: of the figure, inches.
     """
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    solids = of_obstacles(scenario.obstacles)
     camera = best_view(solids, curves or [task], unit=frame_of(scenario).length)
     figure = picture(width, 7.0 / 13.0 * width)
     view, top = figure.subplots(1, 2, width_ratios=[1.25, 1])
@@ -132,7 +132,7 @@ def paint_task(axes: Axes, scenario: Any, camera: Camera | None = None) -> Camer
         scenario: a `Scenario`; its start and goal may be inadmissible.
         camera: who looks; by default from where start and goal are seen best.
     """
-    solids = [of_obstacle(obstacle) for obstacle in scenario.obstacles]
+    solids = of_obstacles(scenario.obstacles)
     task = np.array([scenario.task.start, scenario.task.goal], np.float64)
     eye = camera or best_view(solids, [task], unit=frame_of(scenario).length)
     paint_room(axes, eye, scenario.workspace.lower, scenario.workspace.upper, ground_of(scenario))
@@ -236,14 +236,15 @@ def _samples(ds: xr.Dataset | None, marked: bool = False) -> list[Line2D]:
 
 def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -> None:
     """Obstacles and the load at start and goal, from back to front; obstacles are numbered."""
-    unit, size = frame_of(scenario).length, (scenario.payload.radius, scenario.payload.height)
-    loads = [cylinder(place, *size) for place in (scenario.task.start, scenario.task.goal)]
+    unit, task = frame_of(scenario).length, (scenario.task.start, scenario.task.goal)
+    loads = [of_load(scenario.payload, place) for place in task]
     bodies = [*solids, *loads]
     for rank, i in enumerate(camera.back_to_front(bodies)):
         color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
         paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
-    for number, solid in enumerate(solids, start=1):
-        top = solid.corners[solid.corners[:, 2] > solid.corners[:, 2].max() - 1e-6 * unit]
+    for number, obstacle in enumerate(scenario.obstacles, start=1):
+        corners = np.concatenate([solid.corners for solid in solids_of(obstacle)])
+        top = corners[corners[:, 2] > corners[:, 2].max() - 1e-6 * unit]
         top = top.mean(axis=0)
         if not hidden(top[None] + [0, 0, 1e-3 * unit], solids, camera).any():
             paint_label(axes, camera, top, str(number), fontsize=7.5, color="#5F6670")

@@ -5,12 +5,15 @@ that winds between obstacles comes out wrong. Here every body is convex, which m
 what" a short exact computation.
 """
 
+from collections.abc import Iterable
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float
+
+from jaxsusp.geometry.polytopes import Polytope
 
 Point = Float[np.ndarray, "xyz"]
 Points = Float[np.ndarray, "*batch xyz"]
@@ -107,8 +110,50 @@ class Camera(NamedTuple):
             return np.argsort(depth).tolist()
 
 
+def of_obstacles(obstacles: Iterable[Any]) -> list[Solid]:
+    """The bodies of obstacles, one after the other; a mesh is drawn as what stands for it."""
+    return [solid for obstacle in obstacles for solid in solids_of(obstacle)]
+
+
+def solids_of(obstacle: Any) -> list[Solid]:
+    """The bodies of one obstacle: one, or the pieces of a mesh."""
+    if obstacle.kind == "mesh" and obstacle.shape != "box":
+        placed = (body.placed(obstacle.center, obstacle.yaw_deg) for body in obstacle.bodies)
+        return [of_polytope(body) for body in placed]
+    return [of_obstacle(obstacle)]
+
+
+def of_load(payload: Any, place: Any, turn: Any = None) -> Solid:
+    """The load with its centre at a place, level or turned about it by a rotation (3, 3)."""
+    body = payload.body
+    if body is None:
+        return cylinder(place, payload.radius, payload.height, turn)
+    turn = np.eye(3) if turn is None else np.asarray(turn, np.float64)
+    normals, place = body.normals @ turn.T, np.asarray(place, np.float64)
+    return of_polytope(
+        body._replace(
+            corners=body.corners @ turn.T + place,
+            normals=normals,
+            offsets=body.offsets + normals @ place,
+        )
+    )
+
+
+def of_polytope(body: Polytope) -> Solid:
+    """A convex body, its faces with their corners in order."""
+    size, faces = np.ptp(body.corners, axis=0).max(), []
+    for normal, offset in zip(body.normals, body.offsets, strict=True):
+        on = body.corners[body.corners @ normal > offset - 1e-7 * size]
+        one = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+        across = on - on.mean(axis=0)
+        turn = np.argsort(np.arctan2(across @ np.cross(normal, one), across @ one))
+        if len(on) >= 3:
+            faces.append(on[turn])
+    return Solid.of_faces(faces)
+
+
 def of_obstacle(obstacle: Any) -> Solid:
-    """The body of one obstacle of a scenario; a mesh is drawn as its bounding box.
+    """The body of one obstacle of a scenario that is one; a mesh as its bounding box.
 
     Raises:
         ValueError: an unknown kind of obstacle.

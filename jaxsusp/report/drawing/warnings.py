@@ -10,7 +10,16 @@ from scipy.spatial import ConvexHull
 
 from jaxsusp.report.drawing.painting import paint_solid
 from jaxsusp.report.drawing.scene import STONE, WIDTH, cable_samples, stage
-from jaxsusp.report.drawing.solids import Camera, Solid, box, cylinder, of_obstacle, sphere
+from jaxsusp.report.drawing.solids import (
+    Camera,
+    Solid,
+    box,
+    cylinder,
+    of_load,
+    of_obstacle,
+    of_polytope,
+    sphere,
+)
 from jaxsusp.report.drawing.style import INK, heading, legend
 
 WARNING, LOAD = "#E8A200", "#B00020"
@@ -34,14 +43,15 @@ def environment(scenario: Any, width: float = WIDTH) -> Figure:
     task = (scenario.task.start, scenario.task.goal)
     for axes, eye, _ in stages:
         for place in task:
-            load = cylinder(place, payload.radius, payload.height)
-            paint_solid(axes, eye, load, LOAD, zorder=4.5)
+            paint_solid(axes, eye, of_load(payload, place), LOAD, zorder=4.5)
         for obstacle in scenario.obstacles:
-            paint_solid(axes, eye, grown(obstacle, clear), WARNING, alpha=0.3, zorder=3.4, rim=0.9)
+            for solid in grown(obstacle, clear):
+                paint_solid(axes, eye, solid, WARNING, alpha=0.3, zorder=3.4, rim=0.9)
     top, eye, _ = stages[1]
     for obstacle in scenario.obstacles:
-        outline = _outline(grown(obstacle, clear + payload.radius), eye)
-        top.plot(*outline.T, color=INK, lw=0.9, ls=":", zorder=3.6)
+        for solid in grown(obstacle, clear + payload.radius):
+            outline = _outline(solid, eye)
+            top.plot(*outline.T, color=INK, lw=0.9, ls=":", zorder=3.6)
     legend(
         figure,
         [
@@ -55,16 +65,19 @@ def environment(scenario: Any, width: float = WIDTH) -> Figure:
     return figure
 
 
-def grown(obstacle: Any, by: float) -> Solid:
-    """An obstacle of a scenario, larger on every side (m); a mesh as its bounding box."""
+def grown(obstacle: Any, by: float) -> list[Solid]:
+    """An obstacle of a scenario, larger on every side (m); a mesh as what stands for it."""
     match obstacle.kind:
+        case "mesh" if obstacle.shape != "box":
+            placed = (body.placed(obstacle.center, obstacle.yaw_deg) for body in obstacle.bodies)
+            return [of_polytope(body.larger(by)) for body in placed]
         case "box" | "mesh":
-            return box(obstacle.center, np.add(obstacle.size, 2 * by), obstacle.yaw_deg)
+            return [box(obstacle.center, np.add(obstacle.size, 2 * by), obstacle.yaw_deg)]
         case "cylinder":
-            return cylinder(obstacle.center, obstacle.radius + by, obstacle.height + 2 * by)
+            return [cylinder(obstacle.center, obstacle.radius + by, obstacle.height + 2 * by)]
         case "sphere":
-            return sphere(obstacle.center, obstacle.radius + by)
-    return of_obstacle(obstacle)  # says what it is
+            return [sphere(obstacle.center, obstacle.radius + by)]
+    return [of_obstacle(obstacle)]  # says what it is
 
 
 def _outline(solid: Solid, eye: Camera) -> np.ndarray:

@@ -21,7 +21,7 @@ from jaxsusp.report.drawing.painting import (
 from jaxsusp.report.drawing.room import ground_of, paint_room
 from jaxsusp.report.drawing.scales import count_from
 from jaxsusp.report.drawing.scene import LOAD, STONE, best_view
-from jaxsusp.report.drawing.solids import Camera, Solid, cylinder, of_obstacle
+from jaxsusp.report.drawing.solids import Camera, Solid, of_load, of_obstacles
 from jaxsusp.report.drawing.style import (
     CABLES,
     INK,
@@ -77,7 +77,7 @@ def _finish_top(axes: Axes) -> None:
 def plan_view(plan: Plan, stills: Stills | None = None) -> Camera:
     """From where the load's way is seen best, with no arm before it and no cable end on."""
     stills = Stills.of(plan) if stills is None else stills
-    solids = [of_obstacle(obstacle) for obstacle in plan.scenario.obstacles]
+    solids = of_obstacles(plan.scenario.obstacles)
     curve = plan.at(np.linspace(0, plan.law.duration, 200)).position
     held = [*zip(stills.lower[0], stills.ends[0], strict=True)]
     held += [*zip(stills.lower[-1], stills.ends[-1], strict=True)]
@@ -136,7 +136,7 @@ def glance(plan: Plan) -> Figure:
 
 def _system(axes: Axes, eye: Camera, plan: Plan, stills: Stills) -> None:
     """All of a plan but the room it is in."""
-    solids = [of_obstacle(obstacle) for obstacle in plan.scenario.obstacles]
+    solids = of_obstacles(plan.scenario.obstacles)
     times = np.linspace(0, plan.law.duration, 200)
     _bodies(axes, eye, plan, solids, stills)
     _arms(axes, eye, plan, solids, stills)
@@ -159,7 +159,7 @@ def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills:
     """Obstacles and the load's poses, from back to front."""
     payload, unit = plan.scenario.payload, plan.scenario.units.length
     loads = [
-        cylinder(center, payload.radius, payload.height, turn)
+        of_load(payload, center, turn)
         for center, turn in zip(stills.center, stills.posture, strict=True)
     ]
     bodies = [*solids, *loads]
