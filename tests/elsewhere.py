@@ -37,7 +37,7 @@ def turned(scenario: js.Scenario, quarters: int, mirror: bool = False) -> js.Sce
                 update[key] = turn(value)
             elif key == "attachments" and not isinstance(value, str):
                 update[key] = tuple(map(turn, value))
-        if hasattr(section, "yaw_deg"):
+        if getattr(section, "yaw_deg", None) is not None:
             yaw = section.yaw_deg + 90 * quarters
             update["yaw_deg"] = 90 - yaw if mirror else yaw
         return section.model_copy(update=update)

@@ -66,7 +66,10 @@ def at_hand(
     file = folder / f"{_digest(known, devices)}{SUFFIX}"
     place = _place_of(file)
     if not place:
-        place.append(_made(file, program, devices, arguments))
+        try:
+            place.append(_made(file, program, devices, arguments))
+        except Exception:  # what cannot be compiled before it is called says itself why
+            return program
     return place[0]
 
 

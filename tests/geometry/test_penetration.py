@@ -11,9 +11,9 @@ from jaxsusp.geometry.collisions import (
     HELD_AGAINST,
     Bodies,
     Motion,
-    _each_cable,
     count_at_samples,
     count_collisions,
+    each_cable,
     with_margin,
 )
 from jaxsusp.geometry.depths import DEPTHS
@@ -78,7 +78,7 @@ def plainly(path, bodies, band):
         for i in np.flatnonzero(packed.active):
             obstacle = jax.tree.map(lambda leaf, i=i: leaf[i], packed)
             for depth in HELD_AGAINST[kind](
-                obstacle, motion, bodies, tuple(_each_cable(bodies)), DEPTHS
+                obstacle, motion, bodies, tuple(each_cable(bodies)), DEPTHS
             ):
                 total += charge(depth / UNIT, band).sum(axis=0)
     return total
