@@ -1,4 +1,4 @@
-# make compare · test · test-pages · test-fast · figures · studies · notebooks · lab · bench · bench-check · bench-peers · bbob · reference · docs · dist · check
+# make compare · test · test-whole · test-pages · test-fast · figures · studies · notebooks · lab · bench · bench-check · bench-peers · bbob · reference · docs · dist · check
 # Everything runs from .venv, which `make setup` builds once and rebuilds when its inputs change.
 
 PYTHON ?= python3
@@ -12,12 +12,13 @@ DOCS := .venv-docs
 CORES := $(shell $(PYTHON) -c 'import os; print(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())')
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compare test test-pages test-fast figures studies notebooks lab bench bench-check bench-peers bbob reference docs dist dist-check
+.PHONY: help setup compare test test-whole test-pages test-fast figures studies notebooks lab bench bench-check bench-peers bbob reference docs dist dist-check
 .PHONY: check format clean
 
 help:
 	@echo "make compare    the main job: 4 algorithms x 6 scenarios x 20 runs, tables, figures, dataset"
-	@echo "make test       the test suite"
+	@echo "make test       the test suite, but for what the next two run"
+	@echo "make test-whole whole journeys: plans of every kind, long studies, clusters"
 	@echo "make test-pages notebooks, the site's examples, pages in a browser (Chromium, where there is one)"
 	@echo "make test-fast  at least one test of every room, for the edit loop"
 	@echo "make figures    every table and figure of the paper, and the studies, from data that is kept"
@@ -75,7 +76,10 @@ $(VENV)/.lab: $(VENV)/.current
 	@touch $@
 
 test: setup
-	$(BIN)/python -m pytest -m "not pages" --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -m "not pages and not whole" --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+
+test-whole: setup
+	$(BIN)/python -m pytest -m "whole and not pages" --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 test-pages: setup
 	$(BIN)/python -m pytest -m pages --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder

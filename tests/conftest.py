@@ -43,9 +43,21 @@ LONGEST = [
 ]
 """Files that take long; those that use programs of another one come well after it."""
 
+WHOLE = {
+    *("test_examples", "test_planner", "test_plans", "test_plan_many", "test_motion"),
+    *("test_study", "test_plans_by_workers", "test_long_studies", "test_stored_runs"),
+    *("test_similarity", "test_cli_compare", "test_batch", "test_ablation", "test_random_scenario"),
+    *("test_misplaced", "test_leastvariance", "test_polish", "test_nearby", "test_crowded"),
+}
+"""Files of whole journeys, from a statement to a plan or a study's end: half of all the time."""
 
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Several workers begin with what takes long, and end together."""
+    """Mark whole journeys; several workers begin with what takes long, and end together."""
+    for item in items:
+        if item.path.stem in WHOLE:
+            item.add_marker("whole")
     if "PYTEST_XDIST_WORKER" in os.environ:
         place = {name: i for i, name in enumerate(LONGEST)}
         items.sort(key=lambda item: place.get(item.path.stem, len(place)))

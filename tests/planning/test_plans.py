@@ -123,10 +123,13 @@ def test_bad_shapes_are_refused(scenarios, waypoints, ends, message):
 
 
 @pytest.mark.fast
-def test_systems_whose_hanging_is_left_open_are_refused():
-    rim = js.load_scenario("rim").model_copy(update={"drive": "base"})
-    with pytest.raises(js.InputError, match=r'drive = "base" with separate payload.attachments'):
-        js.plan_through(rim, LOW)
+def test_loads_that_rolling_bases_would_tilt_are_refused():
+    rim = js.load_scenario("rim")
+    low, *others = rim.payload.attachments
+    uneven = rim.payload.model_copy(update={"attachments": ((low[0], low[1], 0.0), *others)})
+    tilted = rim.model_copy(update={"drive": "base", "payload": uneven})
+    with pytest.raises(js.InputError, match=r"give all of them one height"):
+        js.plan_through(tilted, LOW)
 
 
 def test_elbows_are_one_truth_value_per_robot(scenarios):
