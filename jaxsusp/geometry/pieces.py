@@ -42,11 +42,15 @@ CONCAVITY = 0.05
 
 _HALVINGS = 12  # of the sides of a triangle
 _SEED = 0
+MISSING = (
+    'shape = "pieces" asks for the package coacd, which is not installed: '
+    'pip install "jaxsusp[pieces]"'
+)
 _TOUCH = 1e-7  # of the size
 
 
 def require_divisible(path: str | Path, pieces: int) -> None:
-    """Refuse a mesh that has no inside, or that is too large to be divided.
+    """Refuse a mesh that has no inside, or is too large to be divided, or has nothing to divide it.
 
     Raises:
         MeshError: with what was found and what to do.
@@ -67,6 +71,8 @@ def require_divisible(path: str | Path, pieces: int) -> None:
             f"{path} has {parts} separate parts and pieces = {pieces}; allow at least one per "
             f"part, {instead}"
         )
+    if not _version():
+        raise MeshError(f"{MISSING}, {instead}")
 
 
 def pieces_of(path: str | Path, scale: float = 1.0, pieces: int = PIECES) -> tuple[Polytope, ...]:
@@ -226,7 +232,4 @@ def _coacd() -> Any:
     try:
         return importlib.import_module("coacd")
     except ImportError as error:
-        raise MeshError(
-            'shape = "pieces" asks for the package coacd, which is not installed: '
-            'pip install "jaxsusp[pieces]"'
-        ) from error
+        raise MeshError(MISSING) from error

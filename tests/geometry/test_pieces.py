@@ -70,6 +70,12 @@ def test_they_are_the_same_when_they_are_made_anew_and_kept(made, tmp_path, monk
     assert len(pieces_of(copy, 0.001)) == len(known)
 
 
+def test_without_the_package_one_message_says_what_to_install(made, monkeypatch):
+    monkeypatch.setattr(pieces, "_version", lambda: "")
+    with pytest.raises(MeshError, match=r'pip install "jaxsusp\[pieces\]", or give shape = "hull"'):
+        pieces.require_divisible(made[0], 16)
+
+
 def test_what_is_not_held_is_not_proved():
     body = hull_of(np.asarray(trimesh.creation.box((1, 1, 1)).vertices))
     beside = body.placed((1.1, 0.0, 0.0), 0.0)

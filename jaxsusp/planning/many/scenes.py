@@ -66,7 +66,7 @@ def plan_many(
     Raises:
         InputError: bad settings, two scenarios of one name, a folder that cannot be used or that
             holds plans of other settings. Nothing has been planned then.
-        ClusterError: no scheduler or worker is there, or none any more; what is finished is kept.
+            Or no scheduler or worker is there, or none any more: what is finished is kept.
     """
     require(bool(scenarios), "scenarios: none given; name at least one")
     require(not resume or output is not None, "resume = True: give the output folder to resume")
