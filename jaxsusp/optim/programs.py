@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import jax
-import numpy as np
 from jax.experimental import serialize_executable
 from jax.tree_util import Partial
 
@@ -50,7 +49,7 @@ def at_hand(
     Args:
         program: what `jax.jit` gave.
         devices: those that it runs on.
-        *arguments: what it will be called with; numbers among them may not change.
+        *arguments: what it will be called with; numbers among them may be others then.
         **fixed: what else the program was made for.
 
     Returns:
@@ -59,9 +58,10 @@ def at_hand(
     folder = kept_in()
     if folder is None:
         return program
+    leaves, tree = jax.tree.flatten(arguments)
     try:
-        known = described((arguments, fixed))
-    except _ForeignError:
+        known = described((tree.unflatten(map(_kind_of, leaves)), fixed))
+    except Exception:  # of other code, or of a class that holds nothing but arrays
         return program
     file = folder / f"{_digest(known, devices)}{SUFFIX}"
     place = _place_of(file)
@@ -130,21 +130,24 @@ def _digest(known: str, devices: Sequence) -> str:
     return hashlib.sha256(said.encode()).hexdigest()[:32]
 
 
+def _kind_of(leaf: Any) -> str:
+    """What a program knows of an argument: shape and type, no values."""
+    aval = jax.typeof(leaf)
+    return f"{aval.dtype}{aval.shape}{'~' * aval.weak_type}"
+
+
 class _ForeignError(Exception):
     """Something whose code is not the package's."""
 
 
 def described(value: Any) -> str:
-    """Types, functions, shapes and numbers that a program depends on.
+    """Types, functions and what else is fixed in a program's arguments, kinds in place of leaves.
 
     Raises:
         _ForeignError: a function or a type among them is defined elsewhere.
     """
     if value is None or isinstance(value, bool | int | float | str):
         return repr(value)
-    if isinstance(value, jax.Array | np.ndarray | np.generic):
-        aval = jax.typeof(value)
-        return f"{aval.dtype}{aval.shape}{'~' * aval.weak_type}"
     if isinstance(value, Partial):
         return f"Partial{described((value.func, value.args, value.keywords))}"
     if type(value) in (tuple, list):

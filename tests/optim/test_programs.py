@@ -110,12 +110,21 @@ def test_nothing_is_kept_where_nothing_is_to_be(monkeypatch):
     assert at_hand(program, jax.devices(), Best(jnp.zeros(2), jnp.zeros(()))) is program
 
 
-def test_values_of_arrays_do_not_belong_to_a_program_and_those_of_numbers_do():
-    assert described(np.zeros(3)) == described(np.ones(3)) != described(np.zeros(3, np.float32))
+def test_what_is_fixed_is_told_apart():
     assert described(1.0) != described(2.0)
     assert described({"a": 1, "b": (2, None)}) == described({"b": (2, None), "a": 1})
     assert described(js.pso()) != described(js.ga())
     assert described(js.pso()) == described(js.pso())
+
+
+def test_coefficients_are_arguments_of_one_program(kept, problems):
+    """A sweep compiles nothing anew, and every value is its own."""
+    found = [
+        js.minimize(problems[0], js.pso(cognitive=value), runs=RUNS, iterations=ITERATIONS)
+        for value in (1.0, 2.0)
+    ]
+    assert len(kept()) == 2  # of the beginning, and of what follows
+    assert (found[0].fitness != found[1].fitness).all()
 
 
 def test_a_search_of_a_kept_program_is_the_search(kept, problems):
