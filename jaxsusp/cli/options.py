@@ -118,17 +118,27 @@ RESULTS = Path("results")
 Json = Annotated[bool, flag("--json", "Print JSON instead of tables.")]
 
 
-def require_own_device(device: str | None, place: Place) -> None:
-    """Refuse to choose devices for workers, which are other processes.
+def place_of(
+    scheduler: str | None,
+    workers: int | None,
+    tls_ca: Path | None,
+    tls_cert: Path | None,
+    tls_key: Path | None,
+    device: str | None,
+) -> Place:
+    """Who computes, as the options say; devices are chosen for this process alone.
 
     Raises:
-        InputError: both are asked for.
+        InputError: the options contradict each other.
     """
+    place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
+    place.require_sense()
     require(
         device is None or place.here,
         f'device = "{device}": is for this process; workers compute on what the JAX of each has: '
         "leave device out, or set JAX_PLATFORMS where they are started",
     )
+    return place
 
 
 def configured(device: str | None) -> None:

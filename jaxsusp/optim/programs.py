@@ -123,11 +123,16 @@ def _keep(file: Path, compiled: Any) -> None:
 def _digest(known: str, devices: Sequence) -> str:
     """What the result depends on beside the arguments: code, versions, machine, switches."""
     places = [(each.platform, each.device_kind, each.id) for each in devices]
-    machine = version("jax"), version("jaxlib"), instruction_set(), places
     switches = [getattr(jax.config, name) for name in _SWITCHES]
-    flags = os.environ.get("XLA_FLAGS", "")
-    said = repr((known, code_digest(""), machine, switches, flags))
+    said = repr((known, code_digest(""), _machine(), places, switches))
     return hashlib.sha256(said.encode()).hexdigest()[:32]
+
+
+@functools.cache
+def _machine() -> tuple[str, ...]:
+    """What stays while a process lasts."""
+    flags = os.environ.get("XLA_FLAGS", "")
+    return version("jax"), version("jaxlib"), instruction_set(), flags
 
 
 def _kind_of(leaf: Any) -> str:

@@ -32,10 +32,9 @@ from jaxsusp.cli.options import (
     count,
     flag,
     names,
+    place_of,
     require_choices,
-    require_own_device,
 )
-from jaxsusp.cluster.choices import Place
 from jaxsusp.comparison.choices import BUDGETS, FILE, MANIFEST
 from jaxsusp.errors import require, require_known
 from jaxsusp.optim.choices import ALGORITHMS, PUBLISHED
@@ -120,9 +119,7 @@ def compare(
     named = [*ALGORITHMS] if algorithms == "all" else names("algorithms", algorithms)
     require_choices(chosen, named, search)
     require_known("budget", budget, BUDGETS)
-    place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
-    place.require_sense()
-    require_own_device(device, place)
+    place = place_of(scheduler, workers, tls_ca, tls_cert, tls_key, device)
 
     from rich.console import Console
 

@@ -32,11 +32,10 @@ from jaxsusp.cli.options import (
     configured,
     count,
     flag,
+    place_of,
     require_choices,
-    require_own_device,
 )
 from jaxsusp.cli.records import as_record
-from jaxsusp.cluster.choices import Place
 from jaxsusp.errors import InputError, require_known
 from jaxsusp.optim.choices import require_algorithm
 from jaxsusp.planning.choices import COORDINATIONS, ENDS, SHORTEST, TAUT
@@ -121,9 +120,7 @@ def plan(
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)
     takes = _duration(duration)
-    place = Place(scheduler, workers, tls_ca, tls_cert, tls_key)
-    place.require_sense()
-    require_own_device(device, place)
+    place = place_of(scheduler, workers, tls_ca, tls_cert, tls_key, device)
     settings = {
         "algorithm": algorithm, "ends": ends, "runs": runs, "iterations": iterations,
         "retries": retries, "seed": seed, "population": population, "waypoints": waypoints,
