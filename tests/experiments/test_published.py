@@ -65,7 +65,7 @@ def test_without_the_paper_s_own_there_is_no_system_to_show(artefacts, tmp_path)
     ds = artefacts.comparison("comparison").sel(algorithm=["pso", "dbo"])
     other = Artefacts(tmp_path)
     other.keep("comparison", ds)
-    with pytest.raises(InputError, match="no run of sdbo on scenario-1"):
+    with pytest.raises(InputError, match="holds no algorithm sdbo, of which this page tells"):
         towing.draw(other)
     page = comparison.draw(other)
     assert not any("sdbo" in name for name in page.tables)
