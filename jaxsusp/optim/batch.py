@@ -138,9 +138,8 @@ def _launched(
         sizes = population, iterations, room
         start, advance_all = _programs(tuple(devices), *sizes)
         begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
-        advanced = at_hand(
-            advance_all, devices, *arguments, begun, *_span(1, 1), part="go", sizes=sizes
-        )
+        # All that it is made for shows in its arguments: runs of other lengths share it.
+        advanced = at_hand(advance_all, devices, *arguments, begun, *_span(1, 1), part="go")
 
         def go(progress: Progress, first: int, stop: int) -> Progress:
             return jax.block_until_ready(advanced(*arguments, progress, *_span(first, stop)))
