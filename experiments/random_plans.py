@@ -1,11 +1,14 @@
 """Plans for random scenes of any size, place and drive, each checked by other means.
 
 python experiments/random_plans.py --count 1000 --processes 2
+python experiments/random_plans.py --count 200 --duration shortest
 
 Every plan that is called feasible is looked at densely: distances of points of load and cables from
-obstacles and ground in closed form, and the balance of forces at a hook, none of which comes from
-the package; and it is verified from its file, simulation included. Scenes that are finished are
-kept, a row each, and not planned again.
+obstacles and ground in closed form, the balance of forces at a hook, and every limit from positions
+and their differences alone, none of which comes from the package; and it is verified from its
+file, simulation included. Of shortest laws it is seen besides that they are not slower than that
+of the task's duration; every other scene then states limits of motion too. Scenes that are finished
+are kept, a row each, and not planned again.
 """
 
 import argparse
@@ -13,6 +16,7 @@ import csv
 import multiprocessing
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,10 +28,15 @@ OBSTACLES = 6
 SCENES = 125  # of a process before a fresh one: programs of many shapes fill memory
 FIELDS = (
     "seed", "robots", "drive", "hook", "length", "mass", "far", "feasible", "verified", "attempts",
-    "fitness", "load", "cables", "ground", "balance", "seconds", "processor", "reasons",
+    "fitness", "load", "cables", "ground", "balance", "limits", "nearest", "nominal", "returned",
+    "bound", "seconds", "processor", "reasons",
 )  # fmt: skip
 ENOUGH = -1e-6
 """Own units of length by which a distance may miss what is required."""
+KEPT = -1e-3
+"""Share of a limit by which it may be missed: differences of positions are not exact."""
+JOINT_SPEED = 90.0
+"""The greatest speed of a joint in °/s, in own units, where a scene states none."""
 
 
 def signed_distance(obstacle, points: np.ndarray) -> np.ndarray:
@@ -60,7 +69,7 @@ def surface_of_load(scenario) -> np.ndarray:
 def looked_at(plan) -> dict[str, float]:
     """What load and cables keep beyond what is required, in own units; what balance lacks."""
     scenario, unit, gap = plan.scenario, plan.scenario.units.length, plan.scenario.limits.clearance
-    times = np.linspace(0, scenario.task.duration, INSTANTS)
+    times = np.linspace(0, plan.law.duration, INSTANTS)
     motion, ends, loads = plan.at(times), plan.ends_at(times), plan.loads_at(times)
     hook = scenario.payload.attachments == "hook"
     at = np.array([[0, 0, scenario.payload.height / 2]]) if hook else scenario.payload.attachments
@@ -84,21 +93,100 @@ def looked_at(plan) -> dict[str, float]:
     pull = (loads.tensions[..., None] * rays / np.linalg.norm(rays, axis=-1, keepdims=True)).sum(1)
     needed = scenario.payload.mass * (motion.acceleration + np.array([0, 0, 9.81]))
     lacking = np.abs(pull - needed).max() / (9.81 * scenario.payload.mass)
-    return {name: (value - gap) / unit for name, value in found.items()} | {"balance": lacking}
+    shares = shares_left(plan, times, motion.position, ends, loads, np.linalg.norm(rays, axis=-1))
+    nearest = min(shares, key=lambda name: shares[name])
+    return {name: (value - gap) / unit for name, value in found.items()} | {
+        "balance": lacking, "limits": shares[nearest], "nearest": nearest,
+    }  # fmt: skip
 
 
-def timed(seed: int) -> dict:
+def shares_left(plan, times, position, ends, loads, lengths) -> dict[str, float]:
+    """What is left of every limit, as a share of it; below zero it is broken."""
+    scenario, limits = plan.scenario, plan.scenario.limits
+    found = {}
+    for name, values, (low, high) in (
+        ("tension", loads.tensions, limits.tension),
+        ("length", lengths, limits.cable_length),
+    ):
+        found[name] = np.minimum(values - low, high - values).min() / high
+    tilt = np.rad2deg(np.arccos(np.clip(loads.posture[..., 2, 2], -1, 1)).max())
+    found["tilt"] = 1 - tilt / limits.posture_deg
+    apart = [
+        np.linalg.norm(ends[:, i] - ends[:, j], axis=1).min()
+        for i in range(len(scenario.robots))
+        for j in range(i)
+    ]
+    found["apart"] = min(apart) / limits.separation - 1 if limits.separation else np.inf
+
+    def rate(values: np.ndarray) -> np.ndarray:
+        return np.gradient(values, times, axis=0, edge_order=2)
+
+    velocity = rate(position)
+    acceleration = rate(velocity)
+    for name, most, vector in (
+        ("speed", limits.speed, velocity),
+        ("acceleration", limits.acceleration, acceleration),
+        ("jerk", limits.jerk, rate(acceleration)[5:-5]),  # one-sided thrice: not of the motion
+    ):
+        if most is not None:
+            found[name] = 1 - np.linalg.norm(vector, axis=1).max() / most
+    if limits.cable_speed is not None:
+        found["cable speed"] = 1 - np.abs(rate(lengths)).max() / limits.cable_speed
+    if scenario.drive in ("end", "hybrid"):
+        most = limits.joint_speed_deg or JOINT_SPEED / np.sqrt(scenario.units.length)
+        found["joint speed"] = 1 - np.abs(np.rad2deg(rate(joints(scenario, ends)))).max() / most
+    return {name: float(value) for name, value in found.items()}
+
+
+def joints(scenario, ends: np.ndarray) -> np.ndarray:
+    """Angles (rad) that hold ends: the column's, and those of two links, by the law of cosines.
+
+    An elbow that is down has the same speeds as one that is up, but for which joint has which.
+    """
+    bases = np.array([robot.base for robot in scenario.robots])
+    column, upper, fore = np.array([robot.links for robot in scenario.robots]).T
+    away = ends - bases - column[:, None] * np.array([0, 0, 1.0])
+    radius, height = np.hypot(away[..., 0], away[..., 1]), away[..., 2]
+    reach = np.hypot(radius, height)
+    cosine = (reach**2 - upper**2 - fore**2) / (2 * upper * fore)
+    elbow = np.arccos(np.clip(cosine, -1, 1))
+    shoulder = np.arctan2(height, radius) + np.arctan2(
+        fore * np.sin(elbow), upper + fore * np.cos(elbow)
+    )
+    turned = np.unwrap(np.arctan2(away[..., 1], away[..., 0]), axis=0)
+    return np.stack([turned, shoulder, elbow], axis=-1)
+
+
+def hurried(scenario, seed: int):
+    """The scene with limits of motion beside what its own duration asks for on a straight way."""
+    random = np.random.default_rng([seed, 1])
+    task, drawn = scenario.task, lambda: float(random.uniform(1.5, 6))
+    far = float(np.linalg.norm(np.subtract(task.goal, task.start)))
+    peaks = {"speed": 1.875, "acceleration": 5.7735, "jerk": 60.0, "cable_speed": 1.875}
+    orders = {"speed": 1, "acceleration": 2, "jerk": 3, "cable_speed": 1}
+    limits = scenario.limits.model_copy(
+        update={
+            name: drawn() * peak * far / task.duration ** orders[name]
+            for name, peak in peaks.items()
+        }
+    )
+    return scenario.model_copy(update={"limits": limits})
+
+
+def timed(seed: int, shortest: bool) -> dict:
     """A scene's row with the processor's seconds for all of it, threads included."""
     before = time.process_time()
-    row = planned(seed)
+    row = planned(seed, shortest)
     return row | {"processor": time.process_time() - before}
 
 
-def planned(seed: int) -> dict:
+def planned(seed: int, shortest: bool) -> dict:
     """One scene: drawn, planned, looked at, verified."""
     import jaxsusp as js
 
     scenario = js.random_scenario(seed, OBSTACLES, "any")
+    if shortest and seed % 2:
+        scenario = hurried(scenario, seed)
     clock, frame = time.perf_counter(), scenario.units
     row = {
         "seed": seed, "robots": len(scenario.robots), "drive": scenario.drive,
@@ -106,12 +194,14 @@ def planned(seed: int) -> dict:
         "mass": frame.mass, "far": float(np.linalg.norm(frame.origin)),
     }  # fmt: skip
     try:
-        plan = js.plan(scenario, seed=seed)
+        plan = js.plan(scenario, seed=seed, duration="shortest" if shortest else None)
     except js.InputError as error:
         return row | {"feasible": False, "reasons": str(error)}
     row |= {
         "seconds": time.perf_counter() - clock, "feasible": plan.feasible,
         "attempts": plan.settings["attempts"], "fitness": plan.settings["fitness"],
+        "nominal": scenario.task.duration, "returned": plan.law.duration,
+        "bound": plan.settings.get("least_time"),
         "reasons": "; ".join(plan.reasons),
     }  # fmt: skip
     if plan.feasible:
@@ -135,8 +225,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--output", type=Path, default=Path("results/random-plans.csv"))
+    parser.add_argument("--duration", choices=["scenario", "shortest"], default="scenario")
+    parser.add_argument("--output", type=Path, help="default results/random-plans-DURATION.csv")
     asked = parser.parse_args()
+    shortest = asked.duration == "shortest"
+    asked.output = asked.output or Path(f"results/random-plans-{asked.duration}.csv")
     asked.output.parent.mkdir(parents=True, exist_ok=True)
     if not asked.output.exists():
         asked.output.write_text(",".join(FIELDS) + "\n")
@@ -148,11 +241,14 @@ def main() -> None:
         asked.output.open("a") as file,
     ):
         writer = csv.DictWriter(file, FIELDS)
-        for row in pool.imap_unordered(timed, todo):
+        for row in pool.imap_unordered(partial(timed, shortest=shortest), todo):
             writer.writerow(row)
             file.flush()
             print(" ".join(f"{row.get(name, '')}"[:24] for name in FIELDS), flush=True)
-    tell(pd.read_csv(asked.output).query(f"seed < {asked.count}"))
+    rows = pd.read_csv(asked.output).query(f"seed < {asked.count}")
+    tell(rows)
+    if shortest:
+        tell_pace(rows)
 
 
 def tell(rows: pd.DataFrame) -> None:
@@ -160,21 +256,37 @@ def tell(rows: pd.DataFrame) -> None:
     clear = (rows[["load", "cables", "ground"]].min(axis=1) >= ENOUGH) & (
         ~rows["hook"] | (rows["balance"] < 1e-6)
     )
+    within = rows["limits"] >= KEPT
     rows = rows.assign(
         clear=clear & rows["feasible"],
+        within=within & rows["feasible"],
         followed=rows["feasible"] & (rows["verified"] == True),  # noqa: E712
     )
-    print("| drive | robots | scenes | planned | clear by points | verified | median s |")
-    print("| :--- | ---: | ---: | ---: | ---: | ---: | ---: |")
+    titles = "scenes", "planned", "clear by points", "within limits", "verified", "median s"
+    print(f"| drive | robots | {' | '.join(titles)} |")
+    print(f"| :--- | ---: |{' ---: |' * len(titles)}")
     for (drive, robots), part in rows.groupby(["drive", "robots"]):
-        counts = part[["feasible", "clear", "followed"]].sum()
+        counts = part[["feasible", "clear", "within", "followed"]].sum()
         print(
             f"| {drive} | {robots} | {len(part)} | {' | '.join(map(str, counts))} | "
             f"{part['seconds'].median():.1f} |"
         )
-    counts = " | ".join(map(str, rows[["feasible", "clear", "followed"]].sum()))
+    counts = " | ".join(map(str, rows[["feasible", "clear", "within", "followed"]].sum()))
     print(f"| all | | {len(rows)} | {counts} | {rows['seconds'].median():.1f} |")
     print(f"\nThe processor worked {rows['processor'].sum() / 3600:.2f} h in all.")
+
+
+def tell_pace(rows: pd.DataFrame) -> None:
+    """How shortest laws compare with that of the task's duration and with the bound."""
+    rows = rows[rows["feasible"]]
+    ratio, above = rows["returned"] / rows["nominal"], rows["returned"] / rows["bound"]
+    slower = rows.loc[ratio > 1 + 1e-9, "seed"].tolist()
+    print(
+        f"Duration: {ratio.min():.2f} to {ratio.max():.2f} of the task's, median "
+        f"{ratio.median():.2f}; slower in {len(slower)} {slower or ''}; "
+        f"{above.min():.2f} to {above.max():.2f} times the bound where there is one, median "
+        f"{above.median():.2f}."
+    )
 
 
 if __name__ == "__main__":
