@@ -8,6 +8,8 @@ import functools
 import hashlib
 import os
 import re
+import secrets
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -31,6 +33,11 @@ _OURS = re.compile(r"[0-9a-f]{32}\.(nc|npz|program)|jit_.*-(cache|atime)")
 
 LIMIT = 2**30
 """Bytes that are kept of each kind; what was used longest ago makes way."""
+
+
+_PACKAGE = Path(__file__).parent
+_LOADED = time.time()
+_ALONE = secrets.token_hex(8)
 
 
 class Kept(NamedTuple):
@@ -88,14 +95,28 @@ def clear() -> None:
                 file.unlink(missing_ok=True)
 
 
-@functools.cache
 def code_digest(*rooms: str) -> str:
-    """What the code of some rooms of the package is: another one would compute something else."""
+    """What the code of some rooms of the package is: another one would compute something else.
+
+    Of code that was changed after it was loaded nobody can tell any more what runs here: what this
+    process makes then is of use to no other one, and nothing of others to it.
+    """
+    alone = _ALONE if _last_change() > _LOADED else ""
+    return _digest_of(*rooms) + alone
+
+
+@functools.cache
+def _digest_of(*rooms: str) -> str:
     digest = hashlib.sha256()
     for room in rooms:
-        for file in sorted((Path(__file__).parent / room).rglob("*.py")):
+        for file in sorted((_PACKAGE / room).rglob("*.py")):
             digest.update(file.read_bytes())
     return digest.hexdigest()
+
+
+def _last_change() -> float:
+    """When a file of the package was last changed (s since 1970)."""
+    return max((file.stat().st_mtime for file in _PACKAGE.rglob("*.py")), default=0.0)
 
 
 def _files(folder: Path) -> Iterator[tuple[float, int, Path]]:

@@ -54,6 +54,8 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def write_netcdf(dataset: Any, path: str | os.PathLike[str]) -> None:
     """Write an xarray dataset as NetCDF-4, atomically; its folder is created where missing.
 
+    It is made in memory: where a disk is full in the middle, HDF5 takes the process down with it.
+
     Raises:
         InputError: the place cannot be written.
     """
@@ -61,7 +63,7 @@ def write_netcdf(dataset: Any, path: str | os.PathLike[str]) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_path(path) as scratch:
-            dataset.to_netcdf(scratch, engine="h5netcdf")
+            scratch.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
     except OSError as error:
         raise InputError(
             f"{path}: cannot be written ({error.strerror or error}); free space there or choose "

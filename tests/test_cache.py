@@ -79,8 +79,21 @@ def test_another_code_is_known_by_another_name(monkeypatch, tmp_path):
     known = _cache.code_digest("freespace", "geometry")
     assert known != _cache.code_digest("freespace")
     (tmp_path / "geometry").mkdir()
-    monkeypatch.setattr(_cache, "__file__", str(tmp_path / "_cache.py"))
-    assert _cache.code_digest.__wrapped__("geometry") != known
+    monkeypatch.setattr(_cache, "_PACKAGE", tmp_path)
+    assert _cache._digest_of.__wrapped__("freespace", "geometry") != known
+
+
+def test_code_that_was_changed_after_it_was_loaded_shares_nothing(monkeypatch, tmp_path):
+    known = _cache.code_digest("geometry")
+    file = tmp_path / "later.py"
+    file.touch()
+    monkeypatch.setattr(_cache, "_PACKAGE", tmp_path)
+    os.utime(file, (0, _cache._LOADED - 1))
+    assert _cache.code_digest("geometry") == known
+    os.utime(file, (0, _cache._LOADED + 1))
+    alone = _cache.code_digest("geometry")
+    assert alone.startswith(known)
+    assert alone != known
 
 
 COMPILES = """

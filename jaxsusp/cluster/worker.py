@@ -1,5 +1,6 @@
 """What runs in the process of a worker; it decides itself whether it may do the work."""
 
+import functools
 import pickle
 import socket
 import threading
@@ -37,8 +38,9 @@ class Done(NamedTuple):
     refused: str = ""  # what is wrong with this worker
 
 
+@functools.cache
 def software() -> Software:
-    """That of this process."""
+    """That of this process, as it was when it was asked first: whoever began a study may end it."""
     return Software(tuple((name, version(name)) for name in DECISIVE), code_digest("."))
 
 

@@ -134,7 +134,7 @@ def _launched(
         each = max(LEAST, -(-wanted // len(devices)))
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
-        arguments = (jax.tree.map(jnp.asarray, problems), optimizer, keys)
+        arguments = _placed(tuple(devices), problems, optimizer, keys)
         sizes = population, iterations, room
         start, advance_all = _programs(tuple(devices), *sizes)
         begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
@@ -145,6 +145,14 @@ def _launched(
             return jax.block_until_ready(advanced(*arguments, progress, *_span(first, stop)))
 
         yield go, go(begun, 1, 1)  # runs nothing
+
+
+def _placed(devices: tuple, problems: Problem, optimizer: Optimizer, keys: Array) -> tuple:
+    """Arguments where the programs want them: else every call takes them there anew."""
+    mesh = Mesh(np.asarray(devices), ("runs",))
+    everywhere, per_run = (NamedSharding(mesh, PartitionSpec(*axes)) for axes in ((), ("runs",)))
+    common = jax.device_put((problems, optimizer), everywhere)
+    return *common, jax.device_put(keys, per_run)
 
 
 def _span(first: int, stop: int) -> tuple[Array, Array]:

@@ -4,7 +4,8 @@ What XLA compiles, JAX keeps; what leads there, tracing a search and lowering it
 longer than the search itself. Where compiled programs are kept at all (see `devices.configure`),
 ours are kept whole: known by what they are called with, by the code of the package, by JAX and by
 the machine. A search with functions or types that are not the package's own is traced as ever,
-since nothing tells when they change.
+since nothing tells when they change; who puts other helpers into modules of the package while it
+runs is not seen, and sets JAXSUSP_NO_CACHE=1.
 """
 
 import dataclasses
@@ -64,7 +65,7 @@ def at_hand(
     except Exception:  # of other code, or of a class that holds nothing but arrays
         return program
     file = folder / f"{_digest(known, devices)}{SUFFIX}"
-    place = _place_of(file)
+    place = _place_of(file, tree)
     if not place:
         try:
             place.append(_made(file, program, devices, arguments))
@@ -76,13 +77,19 @@ def at_hand(
 def kept_in() -> Path | None:
     """The folder in which JAX keeps what is compiled for CPUs; None where it does not."""
     folder = getattr(jax.config, "jax_compilation_cache_dir", None)
-    return Path(folder) if folder and jax.default_backend() == "cpu" else None
+    wanted = jax.config.jax_enable_compilation_cache and not jax.config.jax_disable_jit
+    here = folder and "://" not in folder and jax.default_backend() == "cpu"
+    return Path(folder) if wanted and here else None
 
 
 @functools.lru_cache(maxsize=64)
-def _place_of(file: Path) -> list[Callable]:
-    """Where a process holds a program that it has, or will have."""
-    del file
+def _place_of(file: Path, tree: Any) -> list[Callable]:
+    """Where a process holds a program that it has, or will have.
+
+    A module that is loaded anew has other functions of the same names, of which a program that
+    was made for the earlier ones would know nothing.
+    """
+    del file, tree
     return []
 
 
@@ -173,4 +180,27 @@ def _name(thing: Any) -> str:
     module, name = thing.__module__, thing.__qualname__
     if module.split(".")[0] != "jaxsusp" or getattr(sys.modules[module], name, None) is not thing:
         raise _ForeignError(f"{module}.{name}")
+    if inspect.isfunction(thing) and not _is_its_own(thing):
+        raise _ForeignError(f"{module}.{name}, of which another function has the name")
     return f"{module}.{name}"
+
+
+def _is_its_own(function: Any) -> bool:
+    """Whether a function was defined under its name: wrappers take those of what they wrap."""
+    while inspect.isfunction(function) and _room(function) in _CHECKERS:
+        function = inspect.getattr_static(function, "__wrapped__", None)
+    of_module = _room(function) == "jaxsusp" and _defined_in(function) == function.__module__
+    return of_module and function.__code__.co_qualname == function.__qualname__
+
+
+_CHECKERS = ("jaxtyping", "beartype")
+"""Packages whose wrappers, where types are checked, change nothing that is computed."""
+
+
+def _room(function: Any) -> str:
+    return _defined_in(function).split(".")[0]
+
+
+def _defined_in(function: Any) -> str:
+    """The module whose code a function is."""
+    return getattr(function, "__globals__", {}).get("__name__", "")

@@ -1,5 +1,6 @@
 """Studies that are bigger than memory: a file for every chunk, read when it is asked for."""
 
+import hashlib
 import json
 import shutil
 import signal
@@ -118,6 +119,61 @@ def test_a_part_that_is_damaged_is_computed_again(study, fake):
     ds = js.compare(SCENARIOS, ("pso", "ga"), **LONG, output=study, resume=True)
     assert [name for name, _ in fake] == ["pso"]
     assert_same_numbers(loaded(ds), loaded(before))
+
+
+def zeros(content: bytes) -> bytes:
+    return bytes(len(content))
+
+
+def spoilt(content: bytes) -> bytes:
+    """A few bytes in the middle are others: HDF5 reads it without a word."""
+    middle = len(content) // 2
+    return content[:middle] + b"\xff" * 40 + content[middle + 40 :]
+
+
+@pytest.mark.parametrize("damage", [zeros, spoilt])
+def test_a_part_of_the_right_length_but_with_other_content_is_computed_again(study, fake, damage):
+    file = next((study / PARTS).glob("pso*"))
+    before = js.load_results(study / MANIFEST).load()
+    file.write_bytes(damage(file.read_bytes()))
+    with pytest.raises(js.InputError, match=r"pso.*holds something else.*computed again"):
+        js.load_results(study / MANIFEST)
+    ds = js.compare(SCENARIOS, ("pso", "ga"), **LONG, output=study, resume=True)
+    assert [name for name, _ in fake] == ["pso"]
+    assert_same_numbers(loaded(ds), loaded(before))
+
+
+def test_parts_of_earlier_studies_have_no_digest(study):
+    before = loaded(js.load_results(study / MANIFEST))
+    altered(study, lambda content: [part.pop("digest") for part in content["parts"]])
+    assert_same_numbers(loaded(js.load_results(study / MANIFEST)), before)
+    file = next((study / PARTS).glob("pso*"))
+    file.write_bytes(zeros(file.read_bytes()))
+    with pytest.raises(js.InputError, match=r"pso.*cannot be read"):
+        js.load_results(study / MANIFEST)
+
+
+def altered(study, change):
+    content = json.loads((study / MANIFEST).read_text())
+    change(content)
+    (study / MANIFEST).write_text(json.dumps(content))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda content: content.update(attributes=[]), "attributes: Input should be"),
+        (lambda content: content["attributes"].pop("settings"), "'settings'"),
+        (lambda content: content["attributes"].update(scenario_files='"xx"'), "scenario_files"),
+        (lambda content: content["parts"][0].update(runs=[[0, 5]]), r"holds 3 runs from 0 to 2"),
+        (lambda content: content["parts"][0].update(runs=[[5000, 5002]]), "5000 to 5002 are list"),
+        (lambda content: content["parts"][0].pop("runs"), r"parts\.0\.runs"),
+    ],
+)
+def test_a_list_that_says_what_is_not_so_is_one_message(study, change, told):
+    altered(study, change)
+    with pytest.raises(js.InputError, match=told):
+        js.load_results(study / MANIFEST)
 
 
 def test_it_is_not_destroyed_by_a_command_that_forgot_to_resume(study, fake):
@@ -251,4 +307,5 @@ def test_stretches_of_runs_are_told_shortly(tmp_path):
     (tmp_path / "x.nc").write_text("abc")
     ds = xr.Dataset(coords={"scenario": ["s"], "algorithm": ["a"], "run": [0, 1, 2, 7, 9, 10]})
     part = part_of(ds, tmp_path / "x.nc")
-    assert part == Part("x.nc", "a", ["s"], [[0, 2], [7, 7], [9, 10]], 3)
+    digest = hashlib.blake2b(b"abc").hexdigest()[:32]
+    assert part == Part("x.nc", "a", ["s"], [(0, 2), (7, 7), (9, 10)], 3, digest)

@@ -1,7 +1,10 @@
 """A program that was kept is the one that would be compiled, and no other is taken for it."""
 
 import pickle
-from functools import partial
+import sys
+from contextlib import contextmanager
+from functools import partial, wraps
+from types import ModuleType
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +14,7 @@ from jax.tree_util import Partial
 
 import jaxsusp as js
 from jaxsusp.optim import programs
+from jaxsusp.optim.algorithms import pso
 from jaxsusp.optim.base import Best
 from jaxsusp.optim.programs import at_hand, described
 
@@ -102,6 +106,57 @@ def test_functions_and_types_of_others_are_traced_as_ever(kept):
     assert at_hand(mine, jax.devices(), problem) is mine
     js.minimize(problem, "pso", runs=RUNS, iterations=ITERATIONS)
     assert kept() == []
+
+
+def test_a_wrapper_that_has_the_name_of_ours_is_traced_as_ever(kept, monkeypatch):
+    """`functools.wraps` makes a stranger look like what it wraps."""
+
+    @wraps(pso._step)
+    def watched(*arguments):
+        return watched.__wrapped__(*arguments)
+
+    mine = jax.jit(lambda point: point + 1)
+    step = js.pso().step
+    monkeypatch.setattr(pso, "_step", watched)
+    stranger = Partial(watched, *step.args)
+    assert at_hand(mine, jax.devices(), stranger) is mine
+    assert kept() == []
+
+
+def test_a_module_that_is_loaded_anew_has_programs_of_its_own(kept, monkeypatch):
+    """Its functions have the names of the earlier ones and are others: JAX tells them apart."""
+    module = ModuleType("jaxsusp.anew")
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    for _ in range(2):
+        exec("def turn(): pass", vars(module))
+        argument = Partial(module.turn, jnp.ones(3))
+        program = at_hand(jax.jit(lambda each: each.args[0] + 1), jax.devices()[:1], argument)
+        np.testing.assert_array_equal(program(argument), 2)
+    assert len(kept()) == 1
+
+
+def test_who_compiles_nothing_keeps_nothing(tmp_path):
+    with (
+        jax_setting("jax_compilation_cache_dir", str(tmp_path)),
+        jax_setting("jax_enable_compilation_cache", True),
+    ):
+        assert programs.kept_in() == tmp_path
+        with jax_setting("jax_disable_jit", True):
+            assert programs.kept_in() is None
+        with jax_setting("jax_enable_compilation_cache", False):
+            assert programs.kept_in() is None
+        with jax_setting("jax_compilation_cache_dir", "gs://somewhere/else"):
+            assert programs.kept_in() is None
+
+
+@contextmanager
+def jax_setting(name, value):
+    before = getattr(jax.config, name)
+    jax.config.update(name, value)
+    try:
+        yield
+    finally:
+        jax.config.update(name, before)
 
 
 def test_nothing_is_kept_where_nothing_is_to_be(monkeypatch):

@@ -26,6 +26,7 @@ from jaxsusp.comparison.kept.study import (
     open_study,
     part_of,
     read_manifest,
+    what_is_wrong,
     write_manifest,
 )
 from jaxsusp.errors import InputError, require
@@ -125,8 +126,7 @@ class Store:
 
     def _is_there(self, part: Part) -> bool:
         assert self.folder is not None
-        file = self.folder / PARTS / part.file
-        return file.is_file() and file.stat().st_size == part.bytes
+        return not what_is_wrong(self.folder / PARTS / part.file, part)
 
     def _taken_over(self, ds: xr.Dataset, groups: Sequence[Sequence[str]]) -> list[xr.Dataset]:
         """Runs of a comparison as chunks of a long study, their histories thinned."""

@@ -4,6 +4,7 @@ The dataset has the layout of any other comparison. What a few numbers tell is i
 and decision vectors are read, chunk by chunk, when they are asked for.
 """
 
+import hashlib
 import json
 from collections.abc import Iterable, Sequence
 from itertools import groupby
@@ -16,6 +17,7 @@ import numpy as np
 import xarray as xr
 from dask.base import compute
 from dask.delayed import delayed
+from pydantic import BaseModel, ValidationError
 
 from jaxsusp._files import write_text
 from jaxsusp.comparison.choices import PARTS
@@ -34,8 +36,9 @@ class Part(NamedTuple):
     file: str  # in the folder of parts
     algorithm: str
     scenarios: list[str]
-    runs: list[list[int]]  # first and last of every stretch
+    runs: list[tuple[int, int]]  # first and last of every stretch
     bytes: int
+    digest: str = ""  # of its content; earlier studies have none
 
 
 class Manifest(NamedTuple):
@@ -46,20 +49,35 @@ class Manifest(NamedTuple):
     complete: bool
 
 
+class _Listed(BaseModel):
+    """A manifest as its file has it."""
+
+    layout: int
+    complete: bool
+    attributes: dict[str, Any]
+    parts: list[Part]
+
+
 def part_of(ds: xr.Dataset, file: Path) -> Part:
     """The entry of a chunk that was saved."""
     (algorithm,) = ds["algorithm"].values.tolist()
     stretches = _stretches(ds["run"].values.tolist())
     return Part(
-        file.name, algorithm, ds["scenario"].values.tolist(), stretches, file.stat().st_size
-    )
+        file.name, algorithm, ds["scenario"].values.tolist(), stretches, file.stat().st_size,
+        _digest(file),
+    )  # fmt: skip
 
 
-def _stretches(runs: Sequence[int]) -> list[list[int]]:
+def _digest(file: Path) -> str:
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "blake2b").hexdigest()[:32]
+
+
+def _stretches(runs: Sequence[int]) -> list[tuple[int, int]]:
     found = []
     for _, group in groupby(enumerate(sorted(runs)), lambda pair: pair[1] - pair[0]):
         members = [run for _, run in group]
-        found.append([members[0], members[-1]])
+        found.append((members[0], members[-1]))
     return found
 
 
@@ -78,17 +96,22 @@ def read_manifest(path: Path) -> Manifest:
     """
     remedy = "give the compare.json that `jaxsusp compare` wrote, with its folder compare.parts"
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if content["layout"] != LAYOUT:
-            raise InputError(f"{path}: is of layout {content['layout']}, not {LAYOUT}; {remedy}")
-        parts = [Part(**part) for part in content["parts"]]
-        return Manifest(content["attributes"], parts, bool(content["complete"]))
+        found = _Listed.model_validate_json(path.read_text(encoding="utf-8"))
+        for name in ("settings", "scenario_files"):
+            if not isinstance(json.loads(found.attributes[name]), dict):
+                raise ValueError(f"its attribute {name} is none of a comparison")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; {remedy}") from None
-    except InputError:
-        raise
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        told = f"{where}: {first['msg']}" if where else first["msg"]
+        raise InputError(f"{path}: cannot be read as a manifest ({told}); {remedy}") from error
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: cannot be read as a manifest ({error}); {remedy}") from error
+    if found.layout != LAYOUT:
+        raise InputError(f"{path}: is of layout {found.layout}, not {LAYOUT}; {remedy}")
+    return Manifest(found.attributes, found.parts, found.complete)
 
 
 def open_study(path: Path) -> xr.Dataset:
@@ -103,10 +126,16 @@ def open_study(path: Path) -> xr.Dataset:
     manifest = read_manifest(path)
     if not manifest.parts:
         raise InputError(f"{path}: nothing of this study has finished yet; go on with --resume")
-    files = [_whole(path.parent / PARTS / part.file, part) for part in manifest.parts]
-    heads = [_head(file) for file in files]
+    files = [path.parent / PARTS / part.file for part in manifest.parts]
+    for file, part in zip(files, manifest.parts, strict=True):
+        if wrong := what_is_wrong(file, part):
+            raise InputError(
+                f"{file}: {wrong}; restore it, or go on with --resume, and its runs are computed "
+                "again"
+            )
+    heads = [_head(*each) for each in zip(files, manifest.parts, strict=True)]
     small = merge(heads)
-    runs = sorted({run for part in manifest.parts for a, b in part.runs for run in range(a, b + 1)})
+    runs = sorted({run for part in manifest.parts for run in _runs(part)})
     sizes = {str(dim): small[dim].values for dim in small.dims} | {"run": np.array(runs)}
     pieces = [_Piece(file, head, part) for file, head, part in zip(
         files, heads, manifest.parts, strict=True
@@ -125,20 +154,41 @@ def _of_runs(name: str) -> bool:
     return "run" in VARIABLES[name].dims
 
 
-def _whole(file: Path, part: Part) -> Path:
-    """The file of a part, if it is there and as long as it was."""
-    remedy = "restore it, or go on with --resume, and its runs are computed again"
+def what_is_wrong(file: Path, part: Part) -> str:
+    """Why a file is not the part that was listed, in words; "" if it is."""
     if not file.is_file():
-        raise InputError(f"{file}: no such file, but the study lists it; {remedy}")
+        return "no such file, but the study lists it"
     if file.stat().st_size != part.bytes:
+        return f"has {file.stat().st_size} bytes instead of {part.bytes}"
+    if part.digest and _digest(file) != part.digest:
+        return "holds something else than was written"
+    return ""
+
+
+def _head(file: Path, part: Part) -> xr.Dataset:
+    """A part as if its best run were its only one: enough to tell what belongs to cells.
+
+    Raises:
+        InputError: it is no part of a comparison, or not that of the runs that are listed.
+    """
+    remedy = "delete the study, or restore its manifest and its parts"
+    try:
+        found, runs = _best_of(file)
+    except (OSError, KeyError, ValueError) as error:
+        raise InputError(f"{file}: cannot be read ({error}); {remedy}") from error
+    if runs != (listed := _runs(part)):
         raise InputError(
-            f"{file}: has {file.stat().st_size} bytes instead of {part.bytes}; {remedy}"
+            f"{file}: holds {len(runs)} runs from {runs[0]} to {runs[-1]}, and {len(listed)} from "
+            f"{listed[0]} to {listed[-1]} are listed; {remedy}"
         )
-    return file
+    return found
 
 
-def _head(file: Path) -> xr.Dataset:
-    """A part as if its best run were its only one: enough to tell what belongs to cells."""
+def _runs(part: Part) -> list[int]:
+    return [run for first, last in part.runs for run in range(first, last + 1)]
+
+
+def _best_of(file: Path) -> tuple[xr.Dataset, list[int]]:
     content: Any
     with h5py.File(file, "r") as content:  # of hundreds of files: ten times as fast as xarray
         coords = {dim: _label(content[dim]) for dim in (*CELL, *NUMBERED)}
@@ -148,7 +198,8 @@ def _head(file: Path) -> xr.Dataset:
             values[name] = np.asarray(content[name][tuple(kept)])
         values["fitness"] = np.nanmin(content["fitness"][...], axis=2, keepdims=True)
         attributes = {key: _one(content.attrs[key]) for key in content.attrs if key[0] != "_"}
-    return assemble({**coords, "run": coords["run"][:1]}, values).assign_attrs(attributes)
+    head = assemble({**coords, "run": coords["run"][:1]}, values).assign_attrs(attributes)
+    return head, coords["run"].tolist()
 
 
 def _one(attribute: Any) -> Any:
@@ -173,7 +224,7 @@ class _Piece(NamedTuple):
         """Labels along a dimension."""
         if dim != "run":
             return self.head[dim].values
-        return np.concatenate([np.arange(a, b + 1) for a, b in self.part.runs])
+        return np.array(_runs(self.part))
 
     def array(self, name: str) -> da.Array:
         """A variable that is read when it is needed."""
