@@ -131,7 +131,7 @@ def _kept(file: Path, parts: list[Surface], pieces: int) -> list[Polytope] | Non
     if not file.is_file():
         return None
     # Whatever is in a damaged file, and however its reader fails: pieces are made anew.
-    with suppress(Exception), np.load(file) as kept:
+    with suppress(Exception), open(file, "rb") as stream, np.load(stream) as kept:
         counts, *corners = [kept[f"arr_{i}"] for i in range(len(kept.files))]
         fit = counts.shape == (len(parts),) and counts.min() > 0
         fit = fit and counts.sum() == len(corners) <= pieces

@@ -130,6 +130,12 @@ NOT_PIECES = {
 }
 
 
+def _proved_at_once(patch):
+    """By the share that will do: those that will not take most of the time."""
+    patch.setattr(pieces, "GROWN", (0.02,))
+    patch.setattr(pieces, "_HALVINGS", 9)
+
+
 @pytest.fixture(scope="module")
 def damaged(tmp_path_factory):
     """A folder for what is kept, a mesh that is divided for it, and what that gives."""
@@ -137,6 +143,7 @@ def damaged(tmp_path_factory):
     bracket().export(folder / "bracket.stl")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(_cache.CACHE, str(folder))
+        _proved_at_once(patch)
         pieces._pieces.cache_clear()
         found = pieces_of(folder / "bracket.stl", 0.001)
     (kept,) = (folder / "pieces").iterdir()
@@ -146,11 +153,16 @@ def damaged(tmp_path_factory):
 @pytest.mark.parametrize("content", NOT_PIECES.values(), ids=NOT_PIECES.keys())
 def test_whatever_is_in_a_kept_file_pieces_are_made_anew(damaged, monkeypatch, content):
     folder, kept, known, whole = damaged
+    made = [*np.load(io.BytesIO(whole)).values()][1:]
+    _proved_at_once(monkeypatch)
+    divided = []
+    monkeypatch.setattr(pieces, "_divided", lambda *given: divided.append(given) or made)
     monkeypatch.setenv(_cache.CACHE, str(folder))
     kept.write_bytes(content)
     pieces._pieces.cache_clear()
     for one, other in zip(known, pieces_of(folder / "bracket.stl", 0.001), strict=True):
         np.testing.assert_array_equal(one.corners, other.corners)
+    assert len(divided) == 1
     assert kept.read_bytes() == whole
 
 
