@@ -279,9 +279,17 @@ def _parts(whole: Surface) -> list[Surface]:
         faces = merged.faces[label[merged.faces[:, 0]] == part]
         if len(faces):
             there, index = np.unique(faces, return_inverse=True)
-            own = Surface(merged.vertices[there], index.reshape(-1, 3))
+            own = Surface(merged.vertices[there], _once(index.reshape(-1, 3)))
             found.append(own if own.signed_volume >= 0 else own.turned)
     return found
+
+
+def _once(faces: np.ndarray) -> np.ndarray:
+    """Triangles of a part that is in the file several times over, once each: CoACD hangs on it."""
+    first = faces.argmin(axis=1)[:, None]
+    same = np.take_along_axis(faces, (first + np.arange(3)) % 3, axis=1)
+    found, counts = np.unique(same, axis=0, return_counts=True)
+    return found if counts.min() == counts.max() > 1 else faces
 
 
 def _version() -> str:

@@ -153,7 +153,8 @@ def _indivisible(scenario: Statement) -> Iterator[str]:
         except MeshError as error:
             wrong = f"cannot be used ({error.problem})"
             remedy = error.remedy or 'give shape = "box"'
-            yield sentence(f"{numbered('obstacles', i, each.name)}.file", each.file, wrong, remedy)
+            field = f"{numbered('obstacles', i, each.name)}.file"
+            yield sentence(field, each.path.name, wrong, remedy)
 
 
 def _unreachable(scenario: Statement) -> Iterator[str]:

@@ -191,6 +191,7 @@ def test_what_is_convex_is_its_own_piece_and_is_not_divided(tmp_path, monkeypatc
         ("plate", [trimesh.creation.box((1, 1, 1e-3))], [1e-3], 1e-3),
         ("thinner", [trimesh.creation.box((1, 1, 1e-7))], [1e-4], 1e-2),
         ("flat", [flat], [2 * 2e-4], 1e-2),
+        ("twice", [trimesh.creation.box((1, 2, 3))] * 2, [6.0], 1e-6),
         ("ball", [trimesh.creation.icosphere(1)], [4.2], 0.3),
     ]:
         file = tmp_path / f"{name}.ply"
