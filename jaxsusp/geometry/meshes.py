@@ -203,7 +203,7 @@ _PACKAGES = {
 """Packages that trimesh's reader of a format asks for."""
 
 _GUESSES = "charset_normalizer"
-_APART = 1e-9  # of the height; what is nearer is a wall that two parts share
+_APART = 1e-5  # of the height; what is nearer is a wall that two parts share, but for rounding
 _FARTHEST = 1e100  # of a coordinate: the cube of what is farther may leave float64
 _SCATTER = np.array([0.7548776662466927, 0.5698402909980532])  # of points spread evenly in a square
 

@@ -117,6 +117,7 @@ def cube(x: float = 0.0, size: float = 1.0, inside_out: bool = False) -> trimesh
         ([cube(inside_out=True)], False),
         ([cube(), cube(3)], False),
         ([cube(), cube(1)], False),  # they share a part of a wall
+        ([cube(), cube().apply_translation((0, 0, 1 - 1e-7))], False),  # one on the other, rounded
         ([cube(), cube(size=0.5, inside_out=True)], False),  # a cavity
         ([cube(), cube(0.5)], True),
         ([cube(), cube(size=0.5)], True),
