@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from jaxsusp._cache import cache_folder, code_digest, drop_oldest, used
+from jaxsusp._cache import cache_folder, code_digest, keeping, used
 from jaxsusp._files import atomic_path
 from jaxsusp.geometry.meshes import EXPORT, MeshError, Surface, surface
 from jaxsusp.geometry.polytopes import Polytope, hull_of
@@ -149,12 +149,11 @@ def _are_corners(found: np.ndarray) -> bool:
 
 
 def _keep(file: Path, made: Corners) -> None:
-    with suppress(OSError):  # a full or read-only disk costs time next time only
+    with keeping(file):
         file.parent.mkdir(parents=True, exist_ok=True)
         arrays = [np.array([len(part) for part in made]), *(c for part in made for c in part)]
         with atomic_path(file) as scratch, open(scratch, "wb") as stream:
             np.savez(stream, *arrays)
-        drop_oldest(file.parent)
 
 
 def _made(parts: list[Surface], pieces: int) -> Corners:
