@@ -60,7 +60,8 @@ def _jerk(own: Scenario, say: Frame, followed: bool) -> Bound:
     if jerk == own.limits.jerk:
         return Bound("jerk", "jerk", value, "limits.jerk")
     aim = "a swinging load follows" if followed else "the load hardly swings"
-    return Bound("jerk", "jerk", value, why=f"so that {aim}: all the tilt within {swing:.2f} s")
+    why = f"so that {aim} (from level to its limit of tilt in a swing of {swing:.2g} s at least)"
+    return Bound("jerk", "jerk", value, why=why)
 
 
 def _tilt(own: Scenario, followed: bool) -> tuple[Bound, ...]:
