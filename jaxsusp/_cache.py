@@ -10,12 +10,15 @@ import os
 import re
 import secrets
 import time
+import warnings
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
 
 from platformdirs import user_cache_path
+
+from jaxsusp.errors import InputError
 
 CACHE, NO_CACHE = "JAXSUSP_CACHE", "JAXSUSP_NO_CACHE"
 """Environment variables: another folder than the user's (empty: nothing is kept), and, set to
@@ -54,6 +57,35 @@ def cache_folder(kind: str) -> Path | None:
     if given == "" or os.environ.get(NO_CACHE, "0") not in ("", "0"):
         return None
     return (Path(given) if given else user_cache_path("jaxsusp")) / kind
+
+
+@contextmanager
+def keeping(file: Path) -> Iterator[None]:
+    """Where a file is kept for the next time: what cannot be kept costs time then, and a warning.
+
+    There is one in a process.
+    """
+    try:
+        yield
+        drop_oldest(file.parent)
+    except (OSError, InputError) as error:
+        if not _told:
+            _told.append(file)
+            warnings.warn(
+                f"{file.parent}: nothing can be kept there ({reason_of(error)}), so the same will "
+                f"take as long next time; make room, name another folder in {CACHE}, or set "
+                f"{NO_CACHE}=1",
+                stacklevel=3,
+            )
+
+
+_told: list[Path] = []
+
+
+def reason_of(error: Exception) -> str:
+    """What the system says of a file."""
+    cause = error.__cause__ if isinstance(error, InputError) else error
+    return getattr(cause, "strerror", None) or str(error)
 
 
 def drop_oldest(folder: Path, limit: int = LIMIT) -> None:

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from jaxsusp import _cache
+from jaxsusp.errors import InputError
 
 pytestmark = pytest.mark.fast
 
@@ -73,6 +74,33 @@ def test_the_command_shows_and_clears(run, folder):
 def test_the_command_says_so_where_nothing_is_kept(run, monkeypatch):
     monkeypatch.setenv("JAXSUSP_NO_CACHE", "1")
     assert run("cache")[1] == "Nothing is kept.\n"
+
+
+def test_a_place_where_nothing_can_be_kept_is_told(run, monkeypatch, folder):
+    (folder / "file").touch()
+    monkeypatch.setenv("JAXSUSP_CACHE", str(folder / "file"))
+    status, _, told = run("cache")
+    assert status == 0
+    assert f"JAXSUSP_CACHE = {folder / 'file'}: is a file, not a folder" in told
+
+
+def test_what_cannot_be_kept_is_told_once(monkeypatch, folder):
+    monkeypatch.setattr(_cache, "_told", [])
+    file = folder / "missing" / "a.nc"
+    with (
+        pytest.warns(
+            UserWarning, match=r"missing: nothing can be kept there \(No such file"
+        ) as told,
+        _cache.keeping(file),
+    ):
+        file.write_bytes(b"")
+    with _cache.keeping(file):
+        write_netcdf_fails(file)
+    assert len(told) == 1
+
+
+def write_netcdf_fails(file):
+    raise InputError(f"{file}: cannot be written")
 
 
 def test_another_code_is_known_by_another_name(monkeypatch, tmp_path):

@@ -1,6 +1,8 @@
 """All commands, and how they fail."""
 
-from jaxsusp.cli.application import app, fail
+import warnings
+
+from jaxsusp.cli.application import app, fail, note
 from jaxsusp.cli.commands import (  # noqa: F401  commands
     cache,
     check,
@@ -18,6 +20,7 @@ from jaxsusp.errors import InputError
 
 def run() -> None:
     """Run a command: bad input becomes one message and status 2, never a traceback."""
+    warnings.showwarning = lambda message, *where: note(str(message))
     try:
         app()
     except InputError as error:

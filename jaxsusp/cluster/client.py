@@ -60,6 +60,7 @@ def connected(
         with _of_a_scheduler(place) as client:
             yield Cluster(client, told)
         return
+    told(f"starting {place.workers} worker{'s' if place.workers > 1 else ''} on this machine")
     with (
         _of_this_machine(place.workers) as cluster,
         Client(cluster, set_as_default=False) as client,
@@ -146,6 +147,9 @@ class Cluster:
             if wrong:
                 self._refuse(address, wrong)
         self._require_somebody()
+        if many := len(self.workers):
+            told = f"{many} workers do" if many > 1 else "1 worker does"
+            self.told(f"{told} the work; what is finished is told, compiling is not")
 
     def _wait_for_the_first(self) -> None:
         """Say once that nothing goes on yet: workers of a queue can take hours to come."""

@@ -143,7 +143,7 @@ class Estimate(NamedTuple):
 
     def __str__(self) -> str:
         return (
-            f"about {_time(self.seconds)}, {_size(self.memory)} of memory and "
+            f"about {_time(self.seconds)} once compiled, {_size(self.memory)} of memory and "
             f"{_size(self.disk)} on disk"
         )
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jaxsusp._cache import cache_folder, code_digest, drop_oldest, used
+from jaxsusp._cache import cache_folder, code_digest, keeping, used
 from jaxsusp.errors import InputError, require, require_count, require_seed
 from jaxsusp.freespace.bodies import bodies_of, domain_of
 from jaxsusp.freespace.cells.doorstep import opened
@@ -118,9 +118,8 @@ def free_space(
     require_solver(solver)
     space = _Builder(scenario, settings, progress).build()
     if file:
-        with suppress(InputError, OSError):  # a full or read-only disk costs time next time only
+        with keeping(file):
             space.save(file)
-            drop_oldest(file.parent)
     return space.stated(asked.units)
 
 

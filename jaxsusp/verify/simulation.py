@@ -10,8 +10,10 @@ from scipy.interpolate import CubicSpline
 
 from jaxsusp._files import write_text
 from jaxsusp._types import Float
+from jaxsusp.errors import InputError
 from jaxsusp.scenario.models import Limits
 from jaxsusp.scenario.ownunits import UNCHANGED, Frame
+from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify import armmodel
 from jaxsusp.verify.armmodel import servo_positions
@@ -116,6 +118,29 @@ class Simulation:
         return found
 
 
+LONGEST = 10_000_000
+"""Steps of a simulation: hours, and hundreds of megabytes."""
+
+
+def require_playable(scenario: Scenario, duration: float) -> None:
+    """Refuse a motion that is too long to be played.
+
+    Args:
+        scenario: in own units.
+        duration: in its unit of time.
+
+    Raises:
+        InputError: with what could be played.
+    """
+    longest = LONGEST * Cables.of(scenario).timestep
+    if duration > longest:
+        given, most = (scenario.frame.number(each, "s") for each in (duration, longest))
+        raise InputError(
+            f"duration = {given:g} s: takes too many steps to be played in simulation; give at "
+            f"most {most:.0f} s, or simulate = False (--no-simulate)"
+        )
+
+
 def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = None) -> Simulation:
     """Play the cable lengths of a plan, and its arms and bases where they move.
 
@@ -126,8 +151,12 @@ def simulate(rigging: Rigging, seen: Callable[[Any, Any, float], None] | None = 
 
     Returns:
         A `Simulation`. It runs in the task's own units, so that size and place do not matter.
+
+    Raises:
+        InputError: it would take more than `LONGEST` steps.
     """
     units, rigging = rigging.scenario.units, rigging.own
+    require_playable(rigging.scenario, rigging.law.duration)
     model = build_spec(rigging).compile()
     data = mujoco.MjData(model)
     step, duration = model.opt.timestep, rigging.law.duration

@@ -78,6 +78,13 @@ def test_what_is_no_duration_is_refused(run, duration):
     assert 'is no time; give seconds above 0, or "shortest"' in told
 
 
+@pytest.mark.usefixtures("planned")
+@pytest.mark.parametrize(("duration", "compared"), [("40", True), ("20", False)])
+def test_the_best_known_is_that_of_the_task_s_own_duration(run, tmp_path, duration, compared):
+    said = run("plan", "scenario-1", "--duration", duration, "--output", tmp_path)[1]
+    assert ("best known" in said) == compared
+
+
 def test_a_plan_is_told_with_its_fitness_and_how_it_was_found(plan):
     length = plan.law.path.length
     assert how_good(plan, 80.0) == (
@@ -203,6 +210,8 @@ def test_several_are_a_file_each_and_one_table(run, tmp_path, monkeypatch, plan)
     assert settings["runs"] == 3
     assert settings["workers"].here
     assert (tmp_path / "plans.csv").read_text().startswith("scenario,plan,")
+    run("plan", "scenario-1", "missing.toml", "--output", tmp_path)
+    assert told.pop()[0] == ["scenario-1", "missing.toml"]  # told in its place, see plan_many
     status, said, _ = run(*several, "--json", "--workers", 2)
     records = json.loads(said)
     assert [each["feasible"] for each in records] == [True, False]

@@ -277,6 +277,15 @@ def test_what_is_no_duration_is_refused(scenarios, duration):
 
 
 @pytest.mark.fast
+def test_what_is_too_long_to_be_played_is_refused_with_what_could_be(scenarios):
+    with pytest.raises(
+        js.InputError, match=r"1e\+09 s: takes too many steps.*at most 20000 s"
+    ) as no:
+        js.plan(scenarios[0], duration=1e9)
+    assert "--no-simulate" in str(no.value)
+
+
+@pytest.mark.fast
 def test_a_limit_of_zero_is_refused(scenarios):
     text = scenarios[0].to_toml().replace("[limits]", "[limits]\nspeed = 0.0")
     with pytest.raises(js.ScenarioError, match=r"limits.speed = 0.*greatest speed of the load"):

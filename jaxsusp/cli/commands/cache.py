@@ -3,10 +3,12 @@
 import json
 from typing import Annotated
 
-from jaxsusp._cache import KINDS, LIMIT, cache_folder, clear, contents
-from jaxsusp.cli.application import command
+from jaxsusp._cache import CACHE, KINDS, LIMIT, cache_folder, clear, contents
+from jaxsusp._files import require_folder
+from jaxsusp.cli.application import command, note
 from jaxsusp.cli.commands.listing import print_rows
 from jaxsusp.cli.options import Json, flag
+from jaxsusp.errors import InputError
 
 
 @command(epilog="Example: jaxsusp cache --clear")
@@ -24,6 +26,10 @@ def cache(
     if folder is None:
         print(json.dumps({"folder": None}) if as_json else "Nothing is kept.")
         return
+    try:
+        require_folder(CACHE, folder)
+    except InputError as error:
+        note(f"nothing can be kept: {error}")
     found = contents()
     if as_json:
         kept = {each.kind: {"files": each.files, "bytes": each.size} for each in found}

@@ -116,7 +116,8 @@ def plan(
     Exit status 1 where a plan is infeasible, or a task is proved to be impossible.
     """
     require_algorithm(algorithm, [TAUT])
-    require_choices(scenarios, search=search)
+    one = len(scenarios) == 1  # of several, one that cannot be read stops no other
+    require_choices(scenarios if one else (), search=search)
     require_known("ends", ends, ENDS)
     require_known("coordination", coordination, COORDINATIONS)
     takes = _duration(duration)
@@ -170,7 +171,8 @@ def _plan_one(
         except KeyboardInterrupt:
             interrupted("no plan was finished; nothing was written.")
     sizes = settings["waypoints"], settings["samples"]
-    best = best_known(task, *sizes) if settings["ends"] == "given" else None
+    same = settings["duration"] in (None, SHORTEST, task.task.duration)  # f4 is measured in it
+    best = best_known(task, *sizes) if same and settings["ends"] == "given" else None
     if as_json:
         record = {**as_record(found, files), "best_known": best}
         print(json.dumps(record, indent=2, allow_nan=False))

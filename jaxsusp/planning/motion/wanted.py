@@ -7,6 +7,7 @@ from jaxsusp.errors import require
 from jaxsusp.planning.choices import SHORTEST
 from jaxsusp.planning.motion.demands import swing_period
 from jaxsusp.scenario.scenario import Scenario
+from jaxsusp.verify.simulation import require_playable
 
 
 class Wanted(NamedTuple):
@@ -40,6 +41,8 @@ def as_wanted(
         )
         task = scenario.task.model_copy(update={"duration": float(duration)})
         scenario = scenario.model_copy(update={"task": task})
+    if followed and not shortest:
+        require_playable(scenario.own, scenario.own.task.duration)
     if calm:
         require(
             scenario.payload.attachments == "hook",
