@@ -9,7 +9,10 @@ from elsewhere import turned, turned_points
 from scipy.stats import ranksums
 
 import jaxsusp as js
+from jaxsusp.report.plan.tables import simulation_table
+from jaxsusp.report.plan.words import how_followed
 from jaxsusp.scenario.ownunits import Frame, in_words, restated
+from jaxsusp.verify.simulation import TRACKING
 
 FRAMES = {
     "surveyed": Frame(1.0, 1.0, (350000.0, 5500000.0, 0.0)),
@@ -185,5 +188,10 @@ def test_a_rig_for_the_bench_is_planned_and_followed():
     assert found.settings["simulated"]
     again = js.verify_plan(found)
     assert again.reasons == ()
+    off = found.settings["tracking_error_m"]
+    assert off == pytest.approx(again.simulation.tracking_error, rel=1e-6)
+    allowed = 1e3 * lab.units.length * TRACKING
+    assert f"{1e3 * off:.2g} mm of the plan (allowed are {allowed:.4g} mm)" in how_followed(found)
+    assert f"≤ {allowed:.4g} mm" in list(simulation_table(again.simulation, lab.limits)["allowed"])
     assert again.simulation.tension_error < 0.01
     assert again.simulation.swing < 1

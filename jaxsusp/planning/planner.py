@@ -94,7 +94,8 @@ def plan(
         search: rule that keeps waypoints inside: "free-space", "ellipsoid" or "box".
         coordination: of placed ends with the load: "alternation" or "joint" (D = 3m + 2K + 1).
         simulate: whether plans are played in simulation and have to follow; where not,
-            `settings["simulated"]` says so.
+            `settings["simulated"]` says so; of those that are, the settings hold how closely the
+            load follows (`tracking_error_m`, `tension_error`).
         duration: seconds from rest to rest, default the scenario's; or "shortest": the law along
             the path is then as fast as limits allow, and as a swinging load follows where plans are
             played. The search is in the scenario's duration in any case.
@@ -103,7 +104,7 @@ def plan(
 
     Returns:
         A feasible `Plan`, or the best attempt marked infeasible with the reasons; the first of
-        them is what `why_not` says.
+        them is what `why_not` says, or the limit that leaves no law on its path.
 
     Raises:
         ImpossibleTaskError: no tensions within limits can hold the load, or it is proved that no

@@ -11,6 +11,7 @@ from jaxsusp._types import Float
 from jaxsusp.planning.margins import with_ends_at
 from jaxsusp.planning.plan import Plan
 from jaxsusp.problem.fitness import position_terms
+from jaxsusp.scenario.ownunits import Frame
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world, cast_world, rounded_counts
 from jaxsusp.vec3 import Vec3, pack_rows
@@ -39,6 +40,20 @@ def simulated(plan: Plan) -> tuple[Simulation, tuple[str, ...]]:
     """
     seen, scenario = simulate(plan.rigging), plan.scenario
     return seen, tuple(seen.problems(scenario.limits, scenario.frame))
+
+
+def seen_in(seen: Simulation, say: Frame) -> dict[str, Any]:
+    """What simulation saw, as settings of a plan that was played.
+
+    Args:
+        seen: in own units.
+        say: how its numbers become SI units.
+    """
+    return {
+        "simulated": True,
+        "tracking_error_m": say.number(seen.tracking_error, "m"),
+        "tension_error": seen.tension_error,
+    }
 
 
 def simulated_problems(plan: Plan) -> tuple[str, ...]:

@@ -108,10 +108,17 @@ def require_way(scenario: Scenario, ends: str = "given") -> None:
 
 
 def explained(plan: Plan, ends: str) -> Plan:
-    """An infeasible plan with what stands in its way as the first of its reasons."""
+    """An infeasible plan with what stands in its way as the first of its reasons.
+
+    Of a plan whose path has no law that is the limit that leaves none: that nothing else is known
+    comes after it, or not at all where every way would have the same limit.
+    """
     if plan.feasible:
         return plan
     refusal = why_not(plan.scenario, ends, plan=plan)
+    if refusal.kind == "unknown" and "no_law" in plan.settings:
+        anywhere = plan.settings["no_law"] not in ("", "limits.tension")
+        return replace(plan, reasons=plan.reasons if anywhere else (*plan.reasons, refusal.text))
     return replace(plan, reasons=(refusal.text, *plan.reasons))
 
 

@@ -29,7 +29,7 @@ from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.motion.drive import followed
 from jaxsusp.planning.motion.wanted import Wanted
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import fitness_of, simulated_problems, with_settings
+from jaxsusp.planning.ranking import fitness_of, seen_in, simulated, with_settings
 from jaxsusp.planning.waypoints import laid, sample_path
 from jaxsusp.problem.hardturns import PRICE, gently
 from jaxsusp.problem.problem import Problem, stack_problems
@@ -213,7 +213,7 @@ def played(settings: Settings, found: Plan) -> Plan:
         return found
     settings.told("simulating")
     if settings.wanted.shortest:
-        return with_settings(followed(found, settings.wanted), simulated=True)
-    problems = simulated_problems(found)
+        return followed(found, settings.wanted)
+    seen, problems = simulated(found)
     found = replace(found, feasible=not problems, reasons=problems)
-    return with_settings(found, simulated=True)
+    return with_settings(found, **seen_in(seen, found.scenario.frame))

@@ -268,15 +268,16 @@ def _distances(certificate: Certificate) -> list[Check]:
     ]  # fmt: skip
 
 
-def _slack(unit: str) -> float:
-    """How far beyond a limit rounding may be."""
-    return {"m": ROUNDING, "N": 1e-6 * PAYLOAD * GRAVITY}.get(unit, 1e-9)
+def slack(unit: str, most: float = np.inf) -> float:
+    """How far beyond a limit rounding may be; a millionth at most of one of speed or tilt."""
+    least = min(1e-9, 1e-6 * (most or np.inf))
+    return {"m": ROUNDING, "N": 1e-6 * PAYLOAD * GRAVITY}.get(unit, least)
 
 
 def _extreme(name, values, times, which, low, high, unit, about="") -> Check:
     """The worst of a quantity over time; a NaN is the worst of all."""
-    at = int(np.argmin(values) if which is min else np.argmax(values))
-    return Check(name, float(values[at]), low, high, unit, float(times[at]), about, _slack(unit))
+    at, beyond = int(np.argmin(values) if which is min else np.argmax(values)), slack(unit, high)
+    return Check(name, float(values[at]), low, high, unit, float(times[at]), about, beyond)
 
 
 def _of_cable(name, values, times, which, low, high, unit) -> Check:
@@ -286,7 +287,7 @@ def _of_cable(name, values, times, which, low, high, unit) -> Check:
     word = "least" if which is min else "greatest"
     about = f"cable {k + 1}"
     return Check(f"{word} {name}" if "ultimate" not in name else name, float(values[at, k]),
-                 low, high, unit, float(times[at]), about, _slack(unit))  # fmt: skip
+                 low, high, unit, float(times[at]), about, slack(unit))  # fmt: skip
 
 
 def _inside(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list[Check]:
@@ -321,17 +322,16 @@ def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check
         margin = np.minimum(values - low, high - values)
         at = int(margin.argmin())
         time = float(times[at]) if rigging.moves else None
-        return Check(name, float(values[at]), low, high, unit, time, f"robot {k + 1}", _slack(unit))
+        return Check(name, float(values[at]), low, high, unit, time, f"robot {k + 1}", slack(unit))
 
     for k in range(rigging.cables):
         checks.append(worst("reach", distance[:, k], float(near[k]), float(far[k]), "m", k))
     if rigging.moves and not rigging.rolls:
         speeds = np.abs(np.gradient(joints, times, axis=0)).max(axis=2)
-        at, k = np.unravel_index(int(speeds.argmax()), speeds.shape)
-        value, about = float(speeds[at, k]), f"robot {k + 1}"
-        most = scenario.limits.joint_speed_deg or JOINT_SPEED
+        k, most = int(speeds.max(axis=0).argmax()), scenario.limits.joint_speed_deg or JOINT_SPEED
+        about = f"robot {k + 1}"
         checks.append(
-            Check("joint speed", value, -np.inf, most, "°/s", float(times[at]), about, 1e-9)
+            _extreme("joint speed", speeds[:, k], times, max, -np.inf, most, "°/s", about)
         )
     limits = scenario.limits.joint_limits_deg
     if limits is not None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.constraints import INSTANTS, Check
+from jaxsusp.verify.constraints import INSTANTS, Check, slack
 
 
 def motion_limits(rigging: Rigging) -> tuple[Check, ...]:
@@ -33,4 +33,6 @@ def motion_limits(rigging: Rigging) -> tuple[Check, ...]:
 
 def _greatest(name: str, values, most: float, unit: str, times, about: str) -> Check:
     at = int(values.argmax())
-    return Check(name, float(values[at]), -np.inf, most, unit, float(times[at]), about, 1e-9)
+    return Check(
+        name, float(values[at]), -np.inf, most, unit, float(times[at]), about, slack(unit, most)
+    )

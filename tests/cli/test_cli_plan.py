@@ -13,7 +13,7 @@ from jaxsusp.planning.planner import Event
 from jaxsusp.planning.ranking import with_settings
 from jaxsusp.report.plan import film as pictures
 from jaxsusp.report.plan import folder as planfolder
-from jaxsusp.report.plan.tables import how_good
+from jaxsusp.report.plan.words import how_good
 
 FOUND = {
     "seed": 0, "algorithm": "routed", "attempts": 2, "fitness": 90.0, "way": "searched",
@@ -55,6 +55,7 @@ def test_plan_prints_the_report_and_writes_everything(run, tmp_path, plan):
     near = next(each for each in plan.report if each.name == "distance of load to obstacles")
     assert f"+{near.margin:.4f}"[:5] in said
     assert "feasible and certified" in said
+    assert "\nDriven in 40 s.\nPlayed in simulation.\n" in said
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert written == {
         "scenario-1.plan.json", "scenario-1.plan.csv", "scenario-1.plan.md",
@@ -198,6 +199,7 @@ def test_several_are_a_file_each_and_one_table(run, tmp_path, monkeypatch, plan)
     status, said, noted = run(*several)
     assert status == 1
     assert "1 of 2 feasible" in said
+    assert "Not played" not in said
     assert "other: other.toml: payload.mass = -3; give more" in said
     assert noted.splitlines()[:2] == [
         "1 of 2: scenario-1: feasible",
@@ -215,6 +217,18 @@ def test_several_are_a_file_each_and_one_table(run, tmp_path, monkeypatch, plan)
     assert [each["feasible"] for each in records] == [True, False]
     assert records[1]["reasons"] == ["other.toml: payload.mass = -3; give more"]
     assert told[1][1]["workers"].workers == 2
+
+
+def test_the_table_of_several_says_which_were_not_played(run, tmp_path, monkeypatch, plan):
+    alone = with_settings(plan, simulated=False)
+    found = (Planned("played", plan, "", 1.5), Planned("alone", alone, "", 1.5))
+    monkeypatch.setattr("jaxsusp.planning.many.scenes.plan_many", lambda *_, **__: found)
+    status, said, _ = run("plan", "scenario-1", "scenario-2", "--output", tmp_path)
+    assert status == 0
+    told = " ".join(said.split())
+    assert "2 of 2 feasible. Not played: 1; whether a swinging load follows, `jaxsusp" in told
+    rows = (tmp_path / "plans.csv").read_text().splitlines()
+    assert [row.split(",")[2] for row in rows] == ["played", "yes", "no"]
 
 
 def test_an_interrupt_among_several_tells_what_is_kept(run, tmp_path, monkeypatch, plan):

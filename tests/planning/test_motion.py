@@ -1,17 +1,26 @@
 """How plans move: smooth paths, shortest durations within limits, and calm arrivals."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from plans import EXAMPLES, LOW
 
 import jaxsusp as js
+from jaxsusp.planning import refusal
 from jaxsusp.planning.motion import drive
+from jaxsusp.planning.motion.bounds import bounds
 from jaxsusp.planning.motion.demands import swing_period
 from jaxsusp.planning.motion.pace import shortest
 from jaxsusp.planning.motion.smooth import RADII
+from jaxsusp.planning.ranking import with_settings
+from jaxsusp.planning.refusal import explained
 from jaxsusp.planning.waypoints import sample_path
-from jaxsusp.report.plan.pace import is_paced, pace
-from jaxsusp.report.plan.tables import how_fast
+from jaxsusp.report.drawing.style import CABLES
+from jaxsusp.report.plan.pace import pace
+from jaxsusp.report.plan.words import how_calm, how_fast, how_limited, is_paced
+from jaxsusp.scenario.ownunits import Frame, in_words, restated
 from jaxsusp.suspension.cableloads import cable_loads
 from jaxsusp.suspension.rigging import Rigging, ends_beside
 from jaxsusp.trajectory.timelaw import TimeLaw
@@ -113,10 +122,49 @@ def test_a_shortest_plan_is_fast_followed_and_told(plan, fast):
     assert simulate(fast.rigging).problems(fast.scenario.limits) == []
     assert js.verify_plan(fast, simulation=False).ok
     assert f"Driven in {fast.law.duration:.2f} s instead of the 40 s" in how_fast(fast)
-    assert how_fast(plan) == ""
+    assert how_fast(plan) == "Driven in 40 s."
     assert is_paced(fast)
     assert not is_paced(plan)
-    assert {"jerk", "tilt"} <= {text.get_text() for text in pace(fast).legends[0].get_texts()}
+
+
+def test_a_shortest_plan_tells_the_limits_that_its_figure_shows_shares_of(plan, fast):
+    figure, told = pace(fast), how_limited(fast)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert how_limited(plan) == ""
+    assert all(label.removesuffix(": share of the room that a load at rest leaves") in told
+               for label in labels)  # fmt: skip
+    most = {}
+    for name, color in (("jerk", CABLES[1]), ("tilt", CABLES[2])):
+        label = next(each for each in labels if each.startswith(name))
+        assert ", so that a swinging load follows (" in label
+        curve = next(each for each in figure.axes[0].get_lines() if each.get_color() == color)
+        most[name] = float(re.search(r"≤ ([\d.]+)", label)[1]) * curve.get_ydata().max() / 100
+    assert most["jerk"] == pytest.approx(peaks(fast.law)[1], rel=0.01)
+    tilt = next(each.value for each in fast.report if each.name == "tilt of the load")
+    assert most["tilt"] == pytest.approx(tilt, rel=0.02)
+    assert "(limits.posture_deg = 10°)" in told
+
+
+@pytest.mark.fast
+def test_limits_of_a_law_are_told_with_where_they_come_from(scenarios):
+    """Those that are not stated by a closed form, in another size as well."""
+    stated = changed(scenarios[0], limits={"speed": 0.7, "cable_speed": 0.4, "jerk": 0.3})
+    words = [each.words for each in bounds(stated, True)]
+    assert words[:3] == [
+        "speed of the load ≤ 0.7 m/s (limits.speed)",
+        "speed of a cable ≤ 0.4 m/s (limits.cable_speed)", "jerk ≤ 0.3 m/s³ (limits.jerk)",
+    ]  # fmt: skip
+    assert words[-1] == "tension within [1, 100] N (limits.tension)"
+    assert "tilt ≤ 10° (limits.posture_deg)" in [each.words for each in bounds(stated, False)]
+    frame = Frame(0.05, 0.05**3, (3.0, 1.0, 1.0))
+    for size, scenario in ((1.0, scenarios[0]), (0.05, restated(scenarios[0], frame))):
+        half, radius = scenario.payload.height / 2, scenario.payload.radius
+        aside = 0.8 * 0.01 * size / half
+        period = 2 * np.pi * np.sqrt((radius**2 / 4 + half**2 / 3 + half**2) / (9.81 * half))
+        jerk, tilt = (each.value for each in bounds(scenario, True)[:2])
+        assert float(tilt.removesuffix("°")) == pytest.approx(np.rad2deg(np.arcsin(aside)), 0.01)
+        known = 9.81 * np.tan(np.arcsin(aside)) / period
+        assert float(jerk.removesuffix(" m/s³")) == pytest.approx(known, rel=0.01)
 
 
 def test_a_saved_plan_moves_as_before(fast, tmp_path):
@@ -135,6 +183,9 @@ def test_a_load_that_does_not_follow_is_driven_more_slowly(fast, monkeypatch):
     assert simulate(fast.rigging).problems(fast.scenario.limits)
     slower = drive.followed(fast, wanted)
     assert slower.feasible
+    again = simulate(slower.rigging)
+    assert slower.settings["tracking_error_m"] == pytest.approx(again.tracking_error, rel=1e-6)
+    assert slower.settings["tension_error"] == pytest.approx(again.tension_error, rel=1e-6)
     assert 1.01 * fast.law.duration < slower.law.duration < 2 * fast.law.duration
     assert simulate(slower.rigging).problems(fast.scenario.limits) == []
 
@@ -178,6 +229,44 @@ def test_tensions_that_leave_no_room_are_named_with_the_place(plan):
     assert not found.feasible
     assert found.reasons[0].startswith("limits.tension = [1, ")
     assert "leaves no room to accelerate: at (" in found.reasons[0]
+    assert found.settings["no_law"] == "limits.tension"
+
+
+@pytest.fixture
+def unknown(monkeypatch):
+    """Nothing is known that rules a plan out."""
+    answer = refusal.Refusal("unknown", "nothing is known")
+    monkeypatch.setattr(refusal, "why_not", lambda *_, **__: answer)
+
+
+@pytest.mark.usefixtures("unknown")
+@pytest.mark.parametrize("field", ["speed", "cable_speed"])
+def test_the_limit_that_leaves_no_law_is_named_with_what_it_would_take(plan, field):
+    """And tensions, which leave room, are not."""
+    slow = changed(plan.scenario, limits={field: 1e-9})
+    found = js.plan_through(slow, LOW, duration="shortest")
+    times = np.linspace(0, 40, INSTANTS)
+    motion, step = found.at(times), 1e-4  # with the law that would have to be stretched
+    speed = np.linalg.norm(motion.velocity, axis=1)
+    if field == "cable_speed":
+        later = cable_loads(plan.scenario, motion.position + step * motion.velocity).lengths
+        now = cable_loads(plan.scenario, motion.position).lengths
+        speed = np.abs((later - now) / step).max(axis=1)
+    takes, place = 40 * speed.max() / 1e-9, in_words(motion.position[speed.argmax()])
+    assert not found.feasible
+    assert found.reasons[0].startswith(f"limits.{field} = 1e-09 m/s: no shortest law that keeps it")
+    assert f"would take about {takes:.3g} s; it asks most at {place}; raise it" in found.reasons[0]
+    assert not any("tension" in reason for reason in found.reasons)
+    told = explained(found, "given")
+    assert told.reasons == found.reasons, "that nothing else is known is no help"
+
+
+@pytest.mark.usefixtures("unknown")
+def test_of_limits_that_a_way_may_miss_it_is_said_last_that_nothing_else_is_known(plan):
+    stuck = replace(plan, feasible=False, reasons=("limits.tension = …",))
+    told = explained(with_settings(stuck, no_law="limits.tension"), "given")
+    assert told.reasons == ("limits.tension = …", "nothing is known")
+    assert explained(stuck, "given").reasons == ("nothing is known", "limits.tension = …")
 
 
 @pytest.mark.fast
@@ -219,12 +308,26 @@ def swing_after(plan: js.Plan, calm_for: float = 3.0) -> float:
     return float(seen.tilt[seen.times > law.duration].max())
 
 
-def test_a_calm_plan_leaves_a_tenth_of_the_swing(scenarios):
+def test_a_calm_plan_leaves_a_tenth_of_the_swing_and_says_so(scenarios, tmp_path):
     plain, calm = (
         js.plan_through(scenarios[0], LOW, duration=8.0, calm=each) for each in (False, True)
     )
     assert plain.law.duration == calm.law.duration == pytest.approx(8.0)
     assert swing_after(calm) < swing_after(plain) / 10
+    assert how_calm(plain) == ""
+    calm.save(tmp_path / "calm.json")
+    assert how_calm(js.load_plan(tmp_path / "calm.json")) == (
+        "Shaped over one swing of 0.93 s, so that the load does not swing on at the goal."
+    )
+
+
+def test_the_swing_is_told_in_seconds_whatever_the_size_of_the_task(scenarios):
+    frame = Frame(0.05, 0.05**3, (3.0, 1.0, 1.0))
+    small = js.plan_through(restated(scenarios[0], frame), frame.place(LOW), calm=True)
+    half, radius = small.scenario.payload.height / 2, small.scenario.payload.radius
+    period = 2 * np.pi * np.sqrt((radius**2 / 4 + half**2 / 3 + half**2) / (9.81 * half))
+    assert small.settings["swing_period_s"] == pytest.approx(period, rel=1e-6)
+    assert f"one swing of {period:.2g} s" in how_calm(small)
 
 
 @pytest.mark.fast

@@ -74,7 +74,9 @@ def test_a_scenario_that_fails_is_told_in_its_place(answered, alone, tmp_path):
     assert answered == ["scenario-1", "scenario-2", "scenario-3"]
     frame = plans_table(found)
     assert frame["plan"].tolist() == ["feasible", "none", "none", "feasible"]
-    assert frame.attrs["caption"] == "2 of 4 feasible."
+    assert frame.attrs["caption"] == (
+        "2 of 4 feasible. Not played: 2; whether a swinging load follows, `jaxsusp verify` tells."
+    )
     assert frame["length"][0] == pytest.approx(alone["scenario-1"].law.path.length)
 
 

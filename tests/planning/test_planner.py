@@ -10,6 +10,7 @@ import jaxsusp as js
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning import feasibility, refusal, steps, strategies
 from jaxsusp.planning.motion.smooth import RADII
+from jaxsusp.verify.simulation import Simulation, simulate
 
 SMALL = {"runs": 2, "iterations": 60, "population": 20}
 
@@ -22,6 +23,11 @@ def events() -> list:
 @pytest.fixture(scope="module")
 def plan(events) -> js.Plan:
     return js.plan("scenario-1", "pso", seed=1, progress=events.append, **SMALL)
+
+
+@pytest.fixture(scope="module")
+def seen(plan) -> Simulation:
+    return simulate(plan.rigging)
 
 
 def heavy(scenario: js.Scenario, mass: float) -> js.Scenario:
@@ -42,6 +48,11 @@ def test_a_plan_is_feasible_certified_and_says_how_it_was_found(plan, events):
     assert plan.settings["fitness"] == pytest.approx(float(terms.total))
     phases = {"mapping the free space", "searching", "checking", "simulating"}
     assert {event.phase for event in events} == phases
+
+
+def test_a_plan_keeps_what_simulation_saw_of_it(plan, seen):
+    assert plan.settings["tracking_error_m"] == pytest.approx(seen.tracking_error, rel=1e-9)
+    assert plan.settings["tension_error"] == pytest.approx(seen.tension_error, rel=1e-9)
 
 
 def test_taut_ways_alone_make_plans_without_any_search(plan, monkeypatch):
@@ -109,17 +120,17 @@ def two_candidates(plan, *_):
     return np.stack([plan.waypoints.reshape(-1), plan.waypoints.reshape(-1) + 1e-3])
 
 
-def test_a_plan_that_a_swinging_load_does_not_follow_gives_way_to_the_next(monkeypatch, plan):
+def test_a_plan_that_a_swinging_load_does_not_follow_gives_way_to_the_next(monkeypatch, plan, seen):
     verdicts = iter([(SWINGS,), ()])
     monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
-    monkeypatch.setattr(steps, "simulated_problems", lambda found: next(verdicts))
+    monkeypatch.setattr(steps, "simulated", lambda found: (seen, next(verdicts)))
     monkeypatch.setattr(strategies, "plan_load", lambda *_: two_candidates(plan))
     found = js.plan("scenario-1", "pso", **SMALL)
     assert found.feasible
     np.testing.assert_allclose(found.waypoints, plan.waypoints + 1e-3)
 
 
-def test_where_none_is_followed_the_plan_is_infeasible_for_that_reason(monkeypatch, plan):
+def test_where_none_is_followed_the_plan_is_infeasible_for_that_reason(monkeypatch, plan, seen):
     asked = []
 
     def never(found):
@@ -127,7 +138,7 @@ def test_where_none_is_followed_the_plan_is_infeasible_for_that_reason(monkeypat
         return (SWINGS,)
 
     monkeypatch.setattr(strategies, "taut_ways", lambda *_: ())
-    monkeypatch.setattr(steps, "simulated_problems", never)
+    monkeypatch.setattr(steps, "simulated", lambda found: (seen, never(found)))
     monkeypatch.setattr(refusal, "simulated_problems", never)
     monkeypatch.setattr(strategies, "plan_load", lambda *_: two_candidates(plan))
     found = js.plan("scenario-1", "pso", retries=0, **SMALL)
@@ -153,7 +164,7 @@ def test_too_fast_a_task_is_told_with_the_duration_that_would_do(plan):
 
 
 def test_without_simulation_a_plan_says_that_it_was_not_played(monkeypatch, plan):
-    monkeypatch.setattr(steps, "simulated_problems", lambda *_: pytest.fail("played"))
+    monkeypatch.setattr(steps, "simulated", lambda *_: pytest.fail("played"))
     found = js.plan("scenario-1", "pso", seed=1, simulate=False, **SMALL)
     assert found.feasible
     assert found.settings["simulated"] is False

@@ -18,6 +18,7 @@ from jaxsusp.verify.limits.passage import Course, edges_of
 from jaxsusp.verify.limits.pieces import Pieces
 from jaxsusp.verify.limits.quantities import System, quantity_of
 from jaxsusp.verify.limits.strips import Strip
+from jaxsusp.verify.motionlimits import motion_limits
 
 SAMPLES = 33
 """Instants of every interval that are looked at."""
@@ -222,6 +223,37 @@ def test_what_is_broken_between_the_instants_is_found():
     sideways = np.hypot(*law.acceleration[0, :2])
     known = np.rad2deg(np.arctan2(sideways, 9.81 + law.acceleration[0, 2]))
     assert line.value == pytest.approx(known, abs=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3])
+def test_a_limit_of_motion_is_broken_by_a_hundred_thousandth_however_small(size):
+    """And none is proved with a bound beyond it."""
+    free = rig()
+    law = free.law.restated(free.law.path, 1.0, (_fastest(free, "acceleration") / size) ** 0.5)
+    for name, beyond in (("acceleration", 1e-5), ("acceleration", -1e-5), ("speed", 1e-5)):
+        slow = Rigging(free.scenario, law, free.end_path, free.elbow_up)
+        limit = _fastest(slow, name) / (1 + beyond)
+        limits = slow.scenario.limits.model_copy(update={name: limit})
+        scenario = slow.scenario.model_copy(update={"limits": limits})
+        slow = Rigging(scenario, law, free.end_path, free.elbow_up)
+        (line,) = with_proofs(slow, motion_limits(slow))
+        assert line.ok == (beyond < 0)
+        assert line.bound is None or line.bound <= limit * (1 + 1e-5)
+
+
+def test_rounding_beyond_ordinary_limits_is_what_it_was():
+    ordinary = rig(speed=0.5, acceleration=0.1, jerk=0.01, cable_speed=0.4)
+    report = (*sampled_report(ordinary, NO_DISTANCES), *motion_limits(ordinary))
+    slacks = {each.name: each.slack for each in report}
+    names = ("speed", "acceleration", "jerk", "speed of a cable", "tilt of the load")
+    assert [slacks[name] for name in names] == [1e-9] * 5
+    assert slacks["stability factor S_c"] == 1e-9
+
+
+def _fastest(rigging: Rigging, name: str) -> float:
+    motion = rigging.law.at(np.linspace(0, rigging.law.duration, 2001))
+    vector = {"speed": motion.velocity, "acceleration": motion.acceleration}[name]
+    return float(np.linalg.norm(vector, axis=1).max())
 
 
 def test_every_line_of_a_hook_with_still_ends_is_proved_and_bounds_are_near():

@@ -217,18 +217,12 @@ def _plannable(named: str) -> "Scenario":
 
 
 def _show(plan: "Plan", best: float | None) -> None:
-    from jaxsusp.report.plan.tables import ends_table, how_fast, how_good, limits_table, verdict
+    from jaxsusp.report.plan.tables import ends_table, limits_table
+    from jaxsusp.report.plan.words import summary
     from jaxsusp.report.render import to_rich
 
     stdout = wide_console()
     stdout.print(to_rich(limits_table(plan.report)), "")
     stdout.print(to_rich(ends_table(plan)), "")
-    stdout.print(
-        verdict(plan.feasible, plan.reasons, plan.scenario.name), markup=False, highlight=False
-    )
-    if plan.feasible:
-        stdout.print(how_good(plan, best), markup=False, highlight=False)
-        if told := how_fast(plan):
-            stdout.print(told, markup=False, highlight=False)
-    if plan.feasible and not plan.settings.get("simulated", False):
-        stdout.print("Not played: whether a swinging load follows, `jaxsusp verify` tells.")
+    for said in summary(plan, best):
+        stdout.print(said, markup=False, highlight=False)

@@ -97,7 +97,8 @@ def _record(found: "Verification", name: str, files: list[Path]) -> dict:
 
 
 def _show(found: "Verification", name: str) -> None:
-    from jaxsusp.report.plan.tables import limits_table, simulation_table, verdict
+    from jaxsusp.report.plan.tables import limits_table, simulation_table
+    from jaxsusp.report.plan.words import verdict
     from jaxsusp.report.render import to_rich
 
     stdout = wide_console()

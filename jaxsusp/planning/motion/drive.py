@@ -8,17 +8,17 @@ is wanted calm is shaped afterwards, so that stretching does not take the shapin
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from jaxsusp.mechanics.statics import GRAVITY
 from jaxsusp.planning.motion.along import plan_along
 from jaxsusp.planning.motion.demands import covered, demands_along, swing_period
+from jaxsusp.planning.motion.noroom import obstruction
 from jaxsusp.planning.motion.pace import shortest, stretch_of
 from jaxsusp.planning.motion.wanted import Wanted
 from jaxsusp.planning.plan import Plan
-from jaxsusp.planning.ranking import simulated, with_settings
+from jaxsusp.planning.ranking import seen_in, simulated, with_settings
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.trajectory.shaping import shaped
 from jaxsusp.trajectory.timelaw import TimeLaw
@@ -57,14 +57,14 @@ def driven(found: Plan, wanted: Wanted) -> Plan:
         wanted: what.
     """
     if not wanted.shortest:
-        return _with_law(found, _least_jerk(found, wanted)) if wanted.calm else found
+        return _with_law(found, _least_jerk(found, wanted), wanted) if wanted.calm else found
     laws = shortest_laws(found.rigging, wanted)
     if laws is None:
-        return _stuck(found)
-    told = {}
+        return _stuck(found, wanted)
+    told: dict[str, Any] = {"has_to_follow": wanted.followed}
     if laws.bound is not None:
-        told = {"least_time": found.scenario.frame.number(laws.bound, "s")}
-    return with_settings(_faster(found, _with_law(found, laws.law(1.0))), **told)
+        told["least_time"] = found.scenario.frame.number(laws.bound, "s")
+    return with_settings(_faster(found, _with_law(found, laws.law(1.0), wanted)), **told)
 
 
 def followed(found: Plan, wanted: Wanted) -> Plan:
@@ -76,18 +76,19 @@ def followed(found: Plan, wanted: Wanted) -> Plan:
     """
     seen, problems = simulated(found)
     if not problems:
-        return found
-    nominal = _with_law(found, _least_jerk(found, wanted))
+        return with_settings(found, **seen_in(seen, found.scenario.frame))
+    nominal = _with_law(found, _least_jerk(found, wanted), wanted)
     laws = shortest_laws(nominal.rigging, wanted)
     plan, more = found, 1.0
     assert laws is not None  # there was one for the plan itself
     for _ in range(TRIES):
         more *= _stretch_for(seen)
-        plan = _faster(nominal, _with_law(found, laws.law(more)))
+        plan = _faster(nominal, _with_law(found, laws.law(more), wanted))
         seen, problems = simulated(plan)
         if not problems:
             break
-    return replace(plan, feasible=not problems, reasons=problems)
+    plan = replace(plan, feasible=not problems, reasons=problems)
+    return with_settings(plan, **seen_in(seen, plan.scenario.frame))
 
 
 def shortest_laws(rigging: Rigging, wanted: Wanted) -> Laws | None:
@@ -156,10 +157,13 @@ def _least_jerk(found: Plan, wanted: Wanted) -> TimeLaw:
     return shaped(_plain(found.rigging, duration - period), period, SWING_DAMPING)
 
 
-def _with_law(found: Plan, law: TimeLaw) -> Plan:
+def _with_law(found: Plan, law: TimeLaw, wanted: Wanted) -> Plan:
+    """The plan with another law, which is shaped where the load is to be calm; and told to be."""
+    scenario, told = found.scenario, dict(found.settings)
+    if wanted.calm:
+        told["swing_period_s"] = scenario.frame.number(swing_period(scenario.payload), "s")
     return plan_along(
-        found.scenario, found.waypoints, law, found.end_path, found.rigging.elbow_up,
-        found.settings,
+        scenario, found.waypoints, law, found.end_path, found.rigging.elbow_up, told
     )  # fmt: skip
 
 
@@ -179,20 +183,12 @@ def _stretch_for(seen: Simulation) -> float:
     return max(SLOWER, aside ** (1 / 2), (seen.tension_error / TENSION) ** (1 / 4))
 
 
-def _stuck(found: Plan) -> Plan:
-    """A plan on whose path no motion keeps the limits, with the place that leaves least room."""
-    rigging, say = found.rigging, found.scenario.frame
-    reason = "no law keeps all limits along this way, however slow; see the limits that break"
+def _stuck(found: Plan, wanted: Wanted) -> Plan:
+    """A plan on whose path no motion keeps the limits, with the one that leaves none."""
     if covered(found.scenario):
-        arc = np.linspace(0, rigging.law.path.length, 401)
-        room = demands_along(rigging, arc, False).room.min(axis=1)
-        at = int(room.argmin())
-        place = rigging.law.path.curve(rigging.law.path.parameter(arc[at : at + 1]))[0]
-        low, high = (say.number(each, "N") for each in found.scenario.limits.tension)
-        share = max(float(room[at]) / (found.scenario.payload.mass * GRAVITY), 0.0)
-        reason = (
-            f"limits.tension = [{low:g}, {high:g}] N leaves no room to accelerate: at "
-            f"{say.words(place)} a load at rest is within {100 * share:.2g} % of its weight of "
-            "the limits; widen them, lighten payload.mass, or move the ends"
-        )
+        field, reason = obstruction(found.rigging, wanted.followed)
+    else:
+        field, longest = "", found.scenario.frame.number(MOST * found.law.duration, "s")
+        reason = f"no law of up to {longest:.4g} s keeps all limits along this way; see which break"
+    found = with_settings(found, no_law=field)
     return replace(found, feasible=False, reasons=(reason, *found.reasons))

@@ -61,12 +61,7 @@ def stretch_of(law: TimeLaw, demanded: Callable[[np.ndarray], Demands]) -> float
 
     In time stretched by λ speeds are 1/λ, accelerations 1/λ² and jerks 1/λ³ of what they were.
     """
-    used = usage(law, demanded)
-    return max(
-        float(used.speed.max()), float(used.acceleration.max()) ** (1 / 2),
-        float(used.jerk.max()) ** (1 / 3), float(used.tilt.max()) ** (1 / 2),
-        float(used.tension.max()) ** (1 / 2),
-    ) * (1 + KEPT)  # fmt: skip
+    return max(stretches(usage(law, demanded)).values()) * (1 + KEPT)
 
 
 class Usage(NamedTuple):
@@ -77,6 +72,17 @@ class Usage(NamedTuple):
     jerk: Float[np.ndarray, "times"]
     tilt: Float[np.ndarray, "times"]
     tension: Float[np.ndarray, "times"]  # of the room that tensions of a load at rest leave
+
+
+def stretches(used: Usage) -> dict[str, float]:
+    """By how much the time of a law has to be stretched for every limit alone."""
+    return {
+        "speed": float(used.speed.max()),
+        "acceleration": float(used.acceleration.max()) ** (1 / 2),
+        "jerk": float(used.jerk.max()) ** (1 / 3),
+        "tilt": float(used.tilt.max()) ** (1 / 2),
+        "tension": float(used.tension.max()) ** (1 / 2),
+    }
 
 
 def usage(law: TimeLaw, demanded: Callable[[np.ndarray], Demands]) -> Usage:

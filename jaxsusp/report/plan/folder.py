@@ -11,9 +11,10 @@ from jaxsusp.planning.document import stem
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.drawing.style import save
 from jaxsusp.report.plan import figures as planfigures
-from jaxsusp.report.plan.pace import is_paced, pace
+from jaxsusp.report.plan.pace import pace
 from jaxsusp.report.plan.scene import scene
 from jaxsusp.report.plan.tables import ends_table, limits_table
+from jaxsusp.report.plan.words import is_paced, summary
 from jaxsusp.report.render import to_markdown
 
 FIGURES: dict[str, Callable[[Plan], Figure]] = {
@@ -34,7 +35,7 @@ _APPLIES: dict[str, Callable[[Plan], bool]] = {
 
 
 def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write a plan, its samples, its constraint report and its figures.
+    """Write a plan, its samples, what is said of it with its constraint report, and its figures.
 
     Args:
         plan: feasible or not.
@@ -49,12 +50,18 @@ def write_plan(plan: Plan, folder: str | os.PathLike[str]) -> list[Path]:
     files = [folder / f"{name}.plan.json", folder / f"{name}.plan.csv", folder / f"{name}.plan.md"]
     plan.save(files[0])
     plan.save_csv(files[1])
-    tables = (limits_table(plan.report), ends_table(plan))
-    write_text(files[2], "\n".join(f"## {t.attrs['title']}\n\n{to_markdown(t)}" for t in tables))
+    write_text(files[2], _told(plan))
     for kind, draw in figures_of(plan).items():
         files.append(folder / f"{name}.{kind}.png")
         save(draw(plan), files[-1])
     return files
+
+
+def _told(plan: Plan) -> str:
+    """The report that is passed on: what is said of the plan, and its tables."""
+    said = "\n\n".join((f"# {plan.scenario.name}", *summary(plan)))
+    tables = (limits_table(plan.report), ends_table(plan))
+    return "\n".join((f"{said}\n", *(f"## {t.attrs['title']}\n\n{to_markdown(t)}" for t in tables)))
 
 
 def figures_of(plan: Plan) -> dict[str, Callable[[Plan], Figure]]:

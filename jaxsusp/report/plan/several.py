@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from jaxsusp.planning.many.kept import Planned
+from jaxsusp.planning.plan import Plan
 from jaxsusp.report.render import Column, significant
 
 
@@ -15,7 +16,7 @@ def plans_table(planned: Sequence[Planned]) -> pd.DataFrame:
     frame = pd.DataFrame([_row(each) for each in planned])
     stand = sum(each.feasible for each in planned)
     frame.attrs["title"] = "Plans"
-    frame.attrs["caption"] = f"{stand} of {len(planned)} feasible."
+    frame.attrs["caption"] = f"{stand} of {len(planned)} feasible." + _not_played(planned)
     frame.attrs["columns"] = {
         "length": Column("path (m)", lambda value: significant(value, 3)),
         "fitness": Column("fitness", lambda value: significant(value, 4)),
@@ -29,12 +30,25 @@ def plans_table(planned: Sequence[Planned]) -> pd.DataFrame:
     return frame
 
 
+def _not_played(planned: Sequence[Planned]) -> str:
+    """How many plans stand as far as is known without simulation, in a sentence; "" where none."""
+    count = sum(each.feasible and not _played(each.plan) for each in planned)
+    if not count:
+        return ""
+    return f" Not played: {count}; whether a swinging load follows, `jaxsusp verify` tells."
+
+
+def _played(plan: Plan | None) -> bool:
+    return plan is not None and bool(plan.settings.get("simulated", False))
+
+
 def _row(each: Planned) -> dict[str, Any]:
     plan, nan = each.plan, np.nan
     verdict = "none" if plan is None else "feasible" if plan.feasible else "infeasible"
     return {
         "scenario": each.name,
         "plan": verdict,
+        "played": "yes" if _played(plan) else "no",
         "length": nan if plan is None else plan.law.path.length,
         "fitness": nan if plan is None else float(plan.settings.get("fitness", nan)),
         "clearance": nan if plan is None else plan.clearance,

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from jaxsusp.planning.choices import SHORTEST, TAUT
 from jaxsusp.planning.plan import Plan
 from jaxsusp.report.render import Column, significant
 from jaxsusp.scenario.models import Limits
@@ -135,8 +134,9 @@ def simulation_table(simulation: Simulation, limits: Limits) -> pd.DataFrame:
     """What the simulation saw, and what a plan may show there (see `Simulation.problems`)."""
     touched = ", ".join(f"{name} at {time:.2f} s" for time, name in simulation.contacts)
     ultimate = limits.safety_factor * limits.tension[1]
+    allowed = simulation.units.number(TRACKING, "m")
     measured = (
-        ("tracking error", 1e3 * simulation.tracking_error, "mm", 1e3 * TRACKING),
+        ("tracking error", 1e3 * simulation.tracking_error, "mm", 1e3 * allowed),
         ("tension against the plan", 100 * simulation.tension_error, "%", 100 * TENSION),
         ("tilt of the load", simulation.swing, "°", limits.posture_deg),
         ("peak tension", simulation.peak_tension, "N", ultimate),
@@ -149,59 +149,12 @@ def simulation_table(simulation: Simulation, limits: Limits) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=["simulated", "value", "allowed", "ok"])
     frame.attrs["title"] = "Simulation (MuJoCo)"
     frame.attrs["columns"] = {"ok": Column("kept")}
-    edge = min(EDGE, float(simulation.times[-1]) / 8)
+    edge = min(simulation.units.number(EDGE, "s"), float(simulation.times[-1]) / 8)
     frame.attrs["caption"] = (
         f"Errors between {edge:.3g} s after the start and {edge:.3g} s before the end; the load "
         "swings freely, the cables only pull."
     )
     return frame
-
-
-def verdict(feasible: bool, reasons: Sequence[str], name: str) -> str:
-    """One sentence, or one and a list."""
-    if feasible:
-        return f"{name}: the plan is feasible and certified clear at every instant."
-    lines = "\n".join(f"  - {reason}" for reason in reasons)
-    return f"{name}: the plan is infeasible:\n{lines}"
-
-
-def how_good(plan: Plan, best: float | None) -> str:
-    """One sentence about a plan that was searched for: its fitness, its way, and how it was found.
-
-    Args:
-        plan: with the settings that the planner keeps.
-        best: the best known fitness of the same task and ends, if there is one.
-    """
-    said, fitness = plan.settings, plan.settings["fitness"]
-    beside = ""
-    if best is not None:
-        gap = fitness / best - 1
-        beside = f" ({100 * abs(gap):.1f} % {'above' if gap >= 0 else 'below'} the best known)"
-    found = f"found by {said['algorithm']}"
-    if said["way"] == TAUT:
-        found = "the rounded taut way"
-        if said["algorithm"] != TAUT:
-            found += f", than which {said['algorithm']} found nothing better"
-    attempts = said["attempts"]
-    return (
-        f"Fitness {fitness:.2f}{beside}, path {plan.law.path.length:.2f} m, {found} in {attempts} "
-        f"attempt{'s' if attempts > 1 else ''}."
-    )
-
-
-def how_fast(plan: Plan) -> str:
-    """One sentence about the duration of a plan that was to be the shortest; "" of others."""
-    if plan.settings.get("duration") != SHORTEST:
-        return ""
-    asked, took = plan.scenario.task.duration, plan.law.duration
-    said = f"Driven in {took:.2f} s instead of the {asked:g} s of the task"
-    least = plan.settings.get("least_time")
-    if least is None:
-        return f"{said}, with the minimum-jerk law."
-    return (
-        f"{said}, {took / least:.2f} times the {least:.2f} s below which no law would do on this "
-        "path, whatever its jerk."
-    )
 
 
 def _with_unit(value: float, unit: str) -> str:

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import jaxsusp as js
 from jaxsusp.cli.records import as_record
+from jaxsusp.planning.ranking import with_settings
 from jaxsusp.report.drawing import scene as scene3d
 from jaxsusp.report.drawing.painting import refine
 from jaxsusp.report.drawing.solids import Camera
@@ -18,6 +19,7 @@ from jaxsusp.report.plan import film as pictures
 from jaxsusp.report.plan import folder as planfolder
 from jaxsusp.report.plan.scene import POSES, Stills, plan_view, scene
 from jaxsusp.report.plan.tables import ends_table, limits_table, simulation_table
+from jaxsusp.report.plan.words import summary
 from jaxsusp.report.render import to_markdown, to_rich
 from jaxsusp.verify.constraints import Check
 from jaxsusp.verify.simulation import Simulation
@@ -110,6 +112,45 @@ def test_new_figures_are_written_with_the_others(end_driven, tmp_path, monkeypat
     text = (tmp_path / "end-driven.plan.md").read_text()
     assert "## Ends of the cables, moved by arms" in text
     assert "change of length" in text
+
+
+def test_the_report_that_is_passed_on_says_what_became_of_the_plan(
+    end_driven, tmp_path, monkeypatch
+):
+    def told(plan: js.Plan) -> str:
+        planfolder.write_plan(plan, tmp_path)
+        return (tmp_path / "end-driven.plan.md").read_text()
+
+    monkeypatch.setattr(planfolder, "FIGURES", {})
+    fine = replace(end_driven, feasible=True, reasons=())
+    text = told(fine)
+    assert text.startswith(
+        "# end-driven\n\nend-driven: the plan is feasible and certified clear at every instant.\n\n"
+        "Driven in 40 s.\n\n"
+        "Not played: whether a swinging load follows, `jaxsusp verify` tells.\n\n"
+        "## Constraint report (Eq. 22)\n"
+    )
+    found = {"fitness": 90.0, "algorithm": "routed", "way": "searched", "attempts": 1}
+    played = {"simulated": True, "tracking_error_m": 2.5e-4, "tension_error": 1e-3}
+    text = told(with_settings(fine, **found, **played))
+    assert "Fitness 90.00, path " in text
+    assert (
+        "Played in simulation: a swinging load stays within 0.25 mm of the plan (allowed are 10 "
+        "mm), its tensions within 0.10 % (allowed are 2 %)." in text
+    )
+    assert "Played in simulation.\n" in told(with_settings(fine, simulated=True))
+    broken = replace(end_driven, feasible=False, reasons=("a wall is hit", "it is too late"))
+    assert (
+        "end-driven: the plan is infeasible:\n  - a wall is hit\n  - it is too late\n\nDriven in "
+        "40 s.\n\nNot played: only plans that keep their limits are.\n" in told(broken)
+    )
+
+
+@pytest.mark.fast
+def test_a_plan_of_an_older_version_is_told_as_far_as_it_goes():
+    said = summary(js.load_plan("tests/files/scenario-1-0.1.0.plan.json"))
+    assert said[0] == "scenario-1: the plan is feasible and certified clear at every instant."
+    assert "Driven in 40 s." in said
 
 
 def test_the_figure_of_arms_shows_ways_joint_angles_and_reach(end_driven):
