@@ -239,7 +239,7 @@ def started() -> None:
 
 def main() -> None:
     """Draw, plan, check, keep, and print a table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--duration", choices=["scenario", "shortest"], default="scenario")

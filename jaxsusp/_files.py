@@ -54,15 +54,18 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def write_netcdf(dataset: Any, path: str | os.PathLike[str]) -> None:
     """Write an xarray dataset as NetCDF-4, atomically; its folder is created where missing.
 
-    It is made in memory: where a disk is full in the middle, HDF5 takes the process down with it.
+    It is made in memory: where a disk is full in the middle, HDF5 takes the process down with it;
+    and by this thread: in a worker of a cluster xarray would ask that for a lock of its own.
 
     Raises:
         InputError: the place cannot be written.
     """
+    import dask.config  # takes a while, and is loaded by xarray for writing in any case
+
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_path(path) as scratch:
+        with dask.config.set(scheduler="synchronous"), atomic_path(path) as scratch:
             scratch.write_bytes(dataset.to_netcdf(engine="h5netcdf"))
     except OSError as error:
         raise InputError(

@@ -33,7 +33,7 @@ PEERS = {"evosax": "CMA_ES", "pymoo": "GA"}
 """Libraries whose algorithms are known as "evosax:CMA_ES", each with one of its names. An adapter
 of the same name is in `optim/peers`."""
 
-EXTRA = 'pip install "jaxsusp[peers]"'
+EXTRA = 'pip install ".[peers]" in a copy of the repository'
 
 
 def installed() -> list[str]:

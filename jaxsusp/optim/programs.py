@@ -76,10 +76,12 @@ def at_hand(
 
 def kept_in() -> Path | None:
     """The folder in which JAX keeps what is compiled for CPUs; None where it does not."""
-    folder = getattr(jax.config, "jax_compilation_cache_dir", None)
-    wanted = jax.config.jax_enable_compilation_cache and not jax.config.jax_disable_jit
-    here = folder and "://" not in folder and jax.default_backend() == "cpu"
-    return Path(folder) if wanted and here else None
+    config: Any = jax.config
+    folder = config.jax_compilation_cache_dir
+    if not folder or "://" in folder or jax.default_backend() != "cpu":
+        return None
+    wanted = config.jax_enable_compilation_cache and not config.jax_disable_jit
+    return Path(folder) if wanted else None
 
 
 @functools.lru_cache(maxsize=64)

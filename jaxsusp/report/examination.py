@@ -155,6 +155,7 @@ def mesh_records(scenario: Scenario) -> list[dict[str, Any]]:
             continue
         inside, bodies = surface(obstacle.path), obstacle.bodies
         open_edges = inside.open_edges
+        overlaps = not open_edges and inside.overlaps
         box = float(np.prod(obstacle.size))
         found.append(
             {
@@ -162,7 +163,10 @@ def mesh_records(scenario: Scenario) -> list[dict[str, Any]]:
                 "size_m": obstacle.size,
                 "triangles": len(inside.faces),
                 "open_edges": open_edges,
-                "volume_m3": None if open_edges else inside.volume * obstacle.scale**3,
+                "overlaps": overlaps,
+                "volume_m3": (
+                    None if open_edges or overlaps else inside.volume * obstacle.scale**3
+                ),
                 "shape": obstacle.shape,
                 "bodies": len(bodies) or 1,
                 "bodies_m3": sum(body.volume for body in bodies) if bodies else box,
@@ -181,6 +185,11 @@ def _mesh_in_words(mesh: dict[str, Any]) -> str:
         f"{mesh['obstacle']} is a mesh of {mesh['triangles']:,} triangles, {size} m, in place of "
         f"which {'is' if bodies == 1 else 'are'} {shape}, {significant(volume, 3)} m³"
     )
+    if mesh["overlaps"]:
+        return (
+            f"{text}; it overlaps itself, or parts of it are turned inside out: its own volume is "
+            "not told."
+        )
     if own is None:
         return f"{text}; it is not closed ({mesh['open_edges']} open edges): it has no volume."
     return f"{text}, {significant(max(volume - own, 0.0), 3)} m³ more than it has itself."

@@ -8,6 +8,7 @@ between the ends, clear of the warning area with all its cables.
 from collections.abc import Iterator
 from itertools import combinations
 from math import dist
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,6 +16,7 @@ import numpy as np
 
 from jaxsusp.geometry.collisions import Bodies, count_collisions
 from jaxsusp.geometry.contacts import segments_clear
+from jaxsusp.geometry.meshes import MeshError, bounding_box
 from jaxsusp.mechanics.arm import reach, shoulder_distance
 from jaxsusp.mechanics.posture.graspmap import rank
 from jaxsusp.scenario.messages import numbered, sentence
@@ -35,11 +37,14 @@ _clear = jax.jit(segments_clear)
 
 def inadmissible(scenario: Statement) -> tuple[list[str], list[str]]:
     """What makes a scenario unusable and what its task, one line per problem; empty: nothing."""
-    for doubt in (_contradictory, _out_of_scale, _never_level):
+    for doubt in (_contradictory, _out_of_scale, _indivisible, _never_level):
         if contradictions := [*doubt(scenario)]:
             return contradictions, []
     checks = (_namesakes, _unreachable, _crowded, _ends_on_ground, _columns_blocked)
-    return [line for check in checks for line in check(scenario)], misplaced(scenario)
+    problems, troubles = [line for check in checks for line in check(scenario)], misplaced(scenario)
+    if found := problems or troubles:  # of which a mesh in another unit may be the cause
+        found[:0] = _of_another_unit(scenario, DOUBTFUL)
+    return problems, troubles
 
 
 def misplaced(scenario: Statement) -> list[str]:
@@ -96,25 +101,60 @@ def _namesakes(scenario: Statement) -> Iterator[str]:
             )
 
 
-LARGE, SMALL = 100.0, 1e-3
-"""Sizes of a mesh, in largest sides of the workspace, beyond which its unit is doubted."""
+SMALL, LOAD, DOUBTFUL, OBSTACLE = 1e-3, 1.0, 2.0, 20.0
+"""Sizes of a mesh, in largest sides of the workspace, beyond which its unit is doubted: of any, too
+small; of a load, too large; of an obstacle, where there are other faults, and whatever else."""
+
+UNITS = {0.001: "millimetres", 0.01: "centimetres", 0.0254: "inches", 1.0: "metres"}
+"""Units of mesh files, by their scale."""
 
 
 def _out_of_scale(scenario: Statement) -> Iterator[str]:
     """Meshes whose unit is not the one that their scale is for."""
-    room = max(np.subtract(scenario.workspace.upper, scenario.workspace.lower))
-    for i, obstacle in enumerate(scenario.obstacles):
-        if obstacle.kind != "mesh" or SMALL <= (share := max(obstacle.size) / room) <= LARGE:
+    load = scenario.payload
+    if load.file is not None:
+        size = bounding_box(load.file, load.scale or 1.0)
+        yield from _doubted(scenario, "payload", load.scale or 1.0, size, LOAD)
+    yield from _of_another_unit(scenario, OBSTACLE)
+
+
+def _of_another_unit(scenario: Statement, beyond: float) -> Iterator[str]:
+    for i, each in enumerate(scenario.obstacles):
+        if each.kind == "mesh":
+            name = numbered("obstacles", i, each.name)
+            yield from _doubted(scenario, name, each.scale, each.size, beyond)
+
+
+def _doubted(
+    scenario: Statement, table: str, scale: float, size: Any, beyond: float
+) -> Iterator[str]:
+    """A mesh that is too small, or larger than so many times the workspace."""
+    across = float(max(size))
+    share = across / float(max(np.subtract(scenario.workspace.upper, scenario.workspace.lower)))
+    if SMALL <= share <= beyond:
+        return
+    wrong = f"makes it {across:.3g} m across, {share:.2g} times the workspace"
+    remedy = "give the factor from its unit to metres, 1 for metres, 0.001 for millimetres"
+    for unit in sorted(UNITS, reverse=share < SMALL) if scale in UNITS else ():
+        if unit != scale and SMALL <= share * unit / scale <= min(beyond, DOUBTFUL):
+            wrong += f": is the file in {UNITS[unit]}?"
+            remedy = f"give scale = {unit:g}, or the factor to metres"
+            break
+    yield sentence(f"{table}.scale", scale, wrong, remedy)
+
+
+def _indivisible(scenario: Statement) -> Iterator[str]:
+    """Meshes in whose place no convex bodies are found."""
+    for i, each in enumerate(scenario.obstacles):
+        if each.kind != "mesh":
             continue
-        wrong = f"makes it {max(obstacle.size):.3g} m across, {share:.2g} times the workspace"
-        remedy = "give the factor from its unit to metres, 1 for metres, 0.001 for millimetres"
-        likely = next((f for f in (1e-3, 0.01, 0.0254, 1e3) if 0.01 <= f * share <= 3), None)
-        if share > LARGE and likely:
-            unit = {1e-3: "millimetres", 0.01: "centimetres", 0.0254: "inches"}.get(likely, "")
-            wrong += f": is the file in {unit}?"
-            remedy = f"give scale = {obstacle.scale * likely:g}, or the factor to metres"
-        field = f"{numbered('obstacles', i, obstacle.name)}.scale"
-        yield sentence(field, obstacle.scale, wrong, remedy)
+        try:
+            _ = each.bodies
+        except MeshError as error:
+            wrong = f"cannot be used ({error.problem})"
+            remedy = error.remedy or 'give shape = "box"'
+            field = f"{numbered('obstacles', i, each.name)}.file"
+            yield sentence(field, each.path.name, wrong, remedy)
 
 
 def _unreachable(scenario: Statement) -> Iterator[str]:

@@ -11,6 +11,9 @@ from jaxsusp.errors import ScenarioError
 
 _DATA = Path(__file__).parent / "data"
 
+FEWEST, MOST = 3, 12
+"""Robots on the ring of a new scenario."""
+
 
 def scenarios() -> tuple[str, ...]:
     """Names of the built-in benchmark scenarios."""

@@ -48,12 +48,17 @@ def suggestion(given: object, known: Iterable[str]) -> str:
 def translate(error: ValidationError, schema: type[BaseModel], document: Mapping) -> list[str]:
     """One line per problem for all that pydantic found in a document."""
     lines: list[str] = []
+    short_of: set[tuple[int | str, ...]] = set()
     for details in error.errors(include_url=False):
-        cause = details.get("ctx", {}).get("error")
+        cause, loc = details.get("ctx", {}).get("error"), details["loc"]
+        if details["type"] == "missing" and isinstance(loc[-1], int):
+            if loc[:-1] in short_of:
+                continue  # one line for a list, however many of its entries are missing
+            short_of.add(loc[:-1])
         if isinstance(cause, ScenarioError):
             lines += cause.problems
         else:
-            lines.append(_line(details, _locate(schema, document, details["loc"])))
+            lines.append(_line(details, _locate(schema, document, loc)))
     return lines
 
 
@@ -72,6 +77,14 @@ _WRONG = {
     "model_attributes_type": "must be a table",
     "value_error": "{error}",
 }
+
+
+class RefusalError(ValueError):
+    """What is wrong with a value, and what to do where the description of its field is no help."""
+
+    def __init__(self, wrong: str, remedy: str = ""):
+        super().__init__(wrong)
+        self.remedy = remedy
 
 
 class _Place(NamedTuple):
@@ -105,7 +118,8 @@ def _line(error: ErrorDetails, place: _Place) -> str:
             return sentence(path, value, "is too large", place.remedy)
         case kind:
             wrong = _WRONG.get(kind, "cannot be used").format(**context)
-            return sentence(path or "the scenario", value, wrong, place.remedy)
+            remedy = getattr(context.get("error"), "remedy", "") or place.remedy
+            return sentence(path or "the scenario", value, wrong, remedy)
 
 
 def _locate(schema: Any, document: Any, steps: Iterable[int | str]) -> _Place:

@@ -5,26 +5,23 @@ A `Statement` is what the file says and no more. What must hold between its valu
 `_deg`; world frame, z up.
 """
 
-import os
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import (
     AfterValidator,
-    BaseModel,
-    ConfigDict,
     Discriminator,
     Field,
     Tag,
     field_validator,
-    model_validator,
 )
 
-from jaxsusp.geometry.meshes import MeshError, body_of, bounding_box, hull
+from jaxsusp.geometry.meshes import bounding_box, hull
 from jaxsusp.geometry.pieces import PIECES, pieces_of, require_divisible
 from jaxsusp.geometry.polytopes import Polytope
 from jaxsusp.mechanics.drives import Drive
+from jaxsusp.scenario.messages import RefusalError
+from jaxsusp.scenario.payload import Payload, Section, anchored, mesh_of_use
 from jaxsusp.scenario.quantities import (
     Lengths,
     NonNegative,
@@ -36,88 +33,8 @@ from jaxsusp.scenario.quantities import (
     Weights,
 )
 
-Attachments = Annotated[
-    Annotated[Literal["hook"], Tag("hook")] | Annotated[tuple[Point, ...], Tag("list")],
-    Discriminator(lambda given: "hook" if isinstance(given, str) else "list"),
-]
 
-
-class _Section(BaseModel):
-    """A table of the file. The description of a field is the remedy an error names."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
-
-
-class Payload(_Section):
-    """The load: an upright cylinder, a box or a mesh's hull, positioned by its centre."""
-
-    mass: Positive = Field(description="the mass in kg")
-    radius: Positive = Field(description="the radius in m, of a cylinder; else left out")
-    height: Positive = Field(description="the height in m, of a cylinder; else left out")
-    size: Lengths | None = Field(
-        default=None, description="the full size [x, y, z] in m of a load that is a box"
-    )
-    file: str | None = Field(
-        default=None, description="a mesh file whose convex hull the load is, by its bounding box"
-    )
-    scale: Positive | None = Field(
-        default=None, description="the factor from the unit of that file to metres"
-    )
-    yaw_deg: Number | None = Field(
-        default=None, description="the angle in degrees of box or mesh about the vertical axis"
-    )
-    attachments: Attachments = Field(
-        default="hook", description='"hook", or one [x, y, z] in m from the centre per cable'
-    )
-    center_of_mass: Point = Field(
-        default=(0.0, 0.0, 0.0), description="the offset [x, y, z] in m from the centre"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_cylinder_around(cls, given: Any, info: Any) -> Any:
-        """A box or a mesh states the upright cylinder around itself, for all that asks for one."""
-        if not isinstance(given, dict) or not (given.get("size") or given.get("file")):
-            alone = isinstance(given, dict) and (given.get("scale"), given.get("yaw_deg"))
-            if alone and alone != (None, None):
-                raise ValueError("states scale or yaw_deg, and no size or file that they are of")
-            return given
-        given = dict(given)
-        if given.get("size") and given.get("file"):
-            raise ValueError("states size and file; leave one of them out")
-        if given.get("file"):
-            folder = (info.context or {}).get("folder", "")
-            given["file"] = os.path.abspath(os.path.join(folder, str(given["file"])))
-            given["scale"] = given.get("scale") or 1.0
-        try:
-            body = body_of(given.get("size"), given.get("file"), given.get("scale"), 0.0)
-        except MeshError as error:
-            raise ValueError(f"cannot be used ({error})") from error
-        except (TypeError, ValueError):
-            return {"radius": 1.0, "height": 1.0, **given}  # its own fields say what is wrong
-        radius = float(np.hypot(*body.corners[:, :2].T).max())
-        for key, own in (("radius", radius), ("height", 2 * float(body.corners[:, 2].max()))):
-            if abs(given.setdefault(key, own) - own) > 1e-6 * own:
-                raise ValueError(f"states {key}, which a load with size or file has by itself")
-        return given
-
-    @property
-    def words(self) -> str:
-        """Its shape and size in a few words."""
-        if self.size is not None:
-            return f"box of {' × '.join(f'{side:g}' for side in self.size)} m"
-        size = f"{self.radius:g} × {self.height:g} m"
-        return size if self.file is None else f"hull of {Path(self.file).name} in {size}"
-
-    @property
-    def body(self) -> Polytope | None:
-        """The load about its centre, turned by its yaw; None: it is an upright cylinder."""
-        if self.size is None and self.file is None:
-            return None
-        return body_of(self.size, self.file, self.scale, self.yaw_deg or 0.0)
-
-
-class Limits(_Section):
+class Limits(Section):
     """The bounds of Eq. 22."""
 
     tension: NonNegativeRange = Field(
@@ -163,20 +80,20 @@ class Limits(_Section):
     )
 
 
-class Workspace(_Section):
+class Workspace(Section):
     """The box in which the centre of the load may be."""
 
     lower: Point = Field(default=(-3.5, -3.5, 0.2), description="the lowest corner [x, y, z] in m")
     upper: Point = Field(default=(3.5, 3.5, 5.5), description="the highest corner [x, y, z] in m")
 
 
-class Ground(_Section):
+class Ground(Section):
     """A horizontal plane that load, cables and arms keep off; columns of robots stand on it."""
 
     height: Number = Field(description="the z of the ground in m")
 
 
-class Task(_Section):
+class Task(Section):
     """What is to be done."""
 
     start: Point = Field(description="the first position [x, y, z] of the load in m")
@@ -184,7 +101,7 @@ class Task(_Section):
     duration: Positive = Field(default=40.0, description="the time for the motion in s")
 
 
-class Robot(_Section):
+class Robot(Section):
     """A towing robot and the nominal end of its cable."""
 
     base: Point = Field(description="the foot [x, y, z] of the column in m")
@@ -194,7 +111,7 @@ class Robot(_Section):
     column_radius: Positive = Field(default=0.12, description="the radius of the column in m")
 
 
-class Box(_Section):
+class Box(Section):
     """An upright box turned about the vertical axis."""
 
     name: str = Field(default="", description="a name in quotes")
@@ -204,7 +121,7 @@ class Box(_Section):
     yaw_deg: Number = Field(default=0.0, description="the angle about the vertical axis in degrees")
 
 
-class Cylinder(_Section):
+class Cylinder(Section):
     """A vertical cylinder."""
 
     name: str = Field(default="", description="a name in quotes")
@@ -214,7 +131,7 @@ class Cylinder(_Section):
     height: Positive = Field(description="the full height in m")
 
 
-class Sphere(_Section):
+class Sphere(Section):
     """A sphere."""
 
     name: str = Field(default="", description="a name in quotes")
@@ -223,7 +140,7 @@ class Sphere(_Section):
     radius: Positive = Field(description="the radius in m")
 
 
-class Mesh(_Section):
+class Mesh(Section):
     """A mesh file, placed by the centre of its bounding box."""
 
     name: str = Field(default="", description="a name in quotes")
@@ -243,19 +160,22 @@ class Mesh(_Section):
     )
     file: str = Field(description="the path of a mesh file, relative to the scenario file")
 
+    @field_validator("pieces")
+    @classmethod
+    def _of_use(cls, pieces: int | None, info: Any) -> int | None:
+        if pieces is not None and info.data.get("shape", "pieces") != "pieces":
+            remedy = 'give shape = "pieces", or leave it out'
+            raise RefusalError(f'has no use with shape = "{info.data["shape"]}"', remedy)
+        return pieces
+
     @field_validator("file")
     @classmethod
     def _resolved(cls, file: str, info: Any) -> str:
-        """Anchor the path at the scenario's folder, so that it survives a copy elsewhere."""
-        # `info` is a pydantic ValidationInfo, a protocol that no run-time checker can check.
-        folder = (info.context or {}).get("folder", "")
-        path = os.path.abspath(os.path.join(folder, file))
-        try:
-            bounding_box(path, info.data.get("scale", 1.0))
+        path = anchored(file, info)
+        with mesh_of_use():
+            bounding_box(path)
             if info.data.get("shape") == "pieces":
                 require_divisible(path, info.data.get("pieces") or PIECES)
-        except MeshError as error:
-            raise ValueError(f"cannot be used ({error})") from error
         return path
 
     @property
@@ -296,7 +216,7 @@ GroundChoice = Annotated[
 ]
 
 
-class Fitness(_Section):
+class Fitness(Section):
     """The coefficients of Eq. 21."""
 
     weights: Weights = Field(
@@ -305,14 +225,16 @@ class Fitness(_Section):
     kappa: NonNegative = Field(default=1000.0, description="the penalty per collision or violation")
 
 
-class Statement(_Section):
+class Statement(Section):
     """What a scenario file states, table by table."""
 
     name: str = Field(min_length=1, description="a name in quotes")
     drive: Drive = Field(
         default="cable", description='the drive mode, "cable", "end", "base" or "hybrid"'
     )
-    payload: Payload = Field(description="a [payload] table with mass, radius and height")
+    payload: Payload = Field(
+        description="a [payload] table with mass and radius and height, or size, or file"
+    )
     limits: Limits = Field(default=Limits(), description="a [limits] table")
     workspace: Workspace = Field(default=Workspace(), description="a [workspace] table")
     ground: GroundChoice | None = Field(

@@ -4,12 +4,12 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-_LARGEST = 1e9  # beyond it a number is a slip, and its powers would leave float32
+LARGEST = 1e9  # beyond it a number is a slip, and its powers would leave float32
 
 
 def _sensible(x: float) -> float:
-    if abs(x) > _LARGEST:
-        raise ValueError(f"must be at most {_LARGEST:g} in magnitude")
+    if abs(x) > LARGEST:
+        raise ValueError(f"must be at most {LARGEST:g} in magnitude")
     return x + 0.0  # no -0.0: equal scenarios have equal digests
 
 

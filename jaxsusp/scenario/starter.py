@@ -3,7 +3,7 @@
 import math
 
 from jaxsusp.errors import require_count
-from jaxsusp.scenario.choices import FEWEST, MOST
+from jaxsusp.scenario.builtin import FEWEST, MOST
 from jaxsusp.scenario.commented import plain_numbers
 from jaxsusp.scenario.models import Statement
 from jaxsusp.scenario.ownunits import Frame, restated

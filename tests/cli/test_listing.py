@@ -43,7 +43,9 @@ def test_without_other_libraries_their_list_is_empty_and_says_what_brings_them(r
     monkeypatch.setattr(choices, "find_spec", lambda _: None)
     code, out, err = run("algorithms", "--peers", "--json")
     assert (code, json.loads(out)) == (0, [])
-    assert 'evosax and pymoo: not installed; pip install "jaxsusp[peers]"' in err
+    assert (
+        'evosax and pymoo: not installed; pip install ".[peers]" in a copy of the repository' in err
+    )
     assert run("algorithms", "--peers")[0] == 0
 
 

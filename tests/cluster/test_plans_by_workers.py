@@ -27,6 +27,7 @@ def test_workers_plan_the_same_and_an_interrupt_cancels_the_rest(daemons, tmp_pa
         js.plan_many(names, output=tmp_path, workers=daemons.file, progress=interrupt, **TAUT)
     with Client(daemons.address, set_as_default=False) as connected:
         assert connected.run_on_scheduler(lambda dask_scheduler: [*dask_scheduler.tasks]) == []
+    steps = [step for step in steps if step.phase != "note"]
     assert steps[0].planned.failure.startswith(f"{broken}: ")
     (file,) = tmp_path.glob("*.plan.json")
     kept = js.load_plan(file)
@@ -34,7 +35,7 @@ def test_workers_plan_the_same_and_an_interrupt_cancels_the_rest(daemons, tmp_pa
     found = js.plan_many(
         names, output=tmp_path, resume=True, workers=daemons.file, **TAUT
     )  # fmt: skip
-    assert [each.feasible for each in found] == [True, False, True]
+    assert [each.feasible for each in found] == [True, False, True], [e.reason for e in found]
     for name in ARRAYS:
         np.testing.assert_array_equal(getattr(found[0].plan, name), getattr(alone, name))
     assert found[0].plan.report == alone.report

@@ -1,5 +1,7 @@
 """Concave meshes as convex pieces: they hold the mesh, add little, and are the same every time."""
 
+import io
+
 import numpy as np
 import pytest
 import trimesh
@@ -63,16 +65,11 @@ def test_they_are_the_same_when_they_are_made_anew_and_kept(made, tmp_path, monk
     for one, other, same in zip(known, again, pieces_of(copy, 0.001), strict=True):
         np.testing.assert_array_equal(one.corners, other.corners)
         np.testing.assert_array_equal(one.corners, same.corners)
-    pieces._pieces.cache_clear()
-    kept.write_bytes(b"damaged")
-    monkeypatch.undo()
-    monkeypatch.setenv(_cache.CACHE, str(tmp_path))
-    assert len(pieces_of(copy, 0.001)) == len(known)
 
 
 def test_without_the_package_one_message_says_what_to_install(made, monkeypatch):
     monkeypatch.setattr(pieces, "_version", lambda: "")
-    with pytest.raises(MeshError, match=r'pip install "jaxsusp\[pieces\]", or give shape = "hull"'):
+    with pytest.raises(MeshError, match=r'pip install "\.\[pieces\]" in .* or give'):
         pieces.require_divisible(made[0], 16)
 
 
@@ -99,6 +96,114 @@ def test_what_cannot_be_divided_is_refused_with_a_remedy(tmp_path, monkeypatch):
     monkeypatch.setattr(pieces, "TRIANGLES", 30)
     with pytest.raises(MeshError, match=r"36 triangles, more than 30 .* reduce them"):
         pieces_of(tmp_path / "three.stl")
+
+
+def _saved(*arrays) -> bytes:
+    stream = io.BytesIO()
+    np.savez(stream, *arrays)
+    return stream.getvalue()
+
+
+CORNERS = np.random.default_rng(0).uniform(-9, 9, (8, 3))
+NOT_PIECES = {
+    "text": b"damaged",
+    "empty": b"",
+    "an archive of nothing": _saved(),
+    "an end": _saved(np.array([2]), CORNERS)[:-60],
+    "half": _saved(np.array([1]), CORNERS)[:150],
+    "objects": _saved(np.array([1]), np.array([None])),
+    "too few": _saved(np.array([2]), CORNERS),
+    "too many": _saved(np.array([1]), CORNERS, CORNERS),
+    "another number of parts": _saved(np.array([1, 1]), CORNERS, CORNERS),
+    "none of a part": _saved(np.array([0])),
+    "negative": _saved(np.array([-1])),
+    "two columns": _saved(np.array([1]), CORNERS[:, :2]),
+    "a row": _saved(np.array([1]), CORNERS[0]),
+    "no rows": _saved(np.array([1]), CORNERS[:0]),
+    "nan": _saved(np.array([1]), CORNERS * np.nan),
+    "one point": _saved(np.array([1]), CORNERS[[0, 0, 0, 0]]),
+    "whole numbers": _saved(np.array([1]), CORNERS.astype(int)),
+    "text in it": _saved(np.array([1]), np.array([["a", "b", "c"]])),
+    "pieces of something else": _saved(np.array([1]), CORNERS),
+    "counts in a table": _saved(np.array([[1]]), CORNERS),
+    "counts that are fractions": _saved(np.array([0.5]), CORNERS),
+}
+
+
+def _proved_at_once(patch):
+    """By the share that will do: those that will not take most of the time."""
+    patch.setattr(pieces, "GROWN", (0.02,))
+    patch.setattr(pieces, "_HALVINGS", 9)
+
+
+@pytest.fixture(scope="module")
+def damaged(tmp_path_factory):
+    """A folder for what is kept, a mesh that is divided for it, and what that gives."""
+    folder = tmp_path_factory.mktemp("kept")
+    bracket().export(folder / "bracket.stl")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(_cache.CACHE, str(folder))
+        _proved_at_once(patch)
+        pieces._pieces.cache_clear()
+        found = pieces_of(folder / "bracket.stl", 0.001)
+    (kept,) = (folder / "pieces").iterdir()
+    return folder, kept, found, kept.read_bytes()
+
+
+@pytest.mark.parametrize("content", NOT_PIECES.values(), ids=NOT_PIECES.keys())
+def test_whatever_is_in_a_kept_file_pieces_are_made_anew(damaged, monkeypatch, content):
+    folder, kept, known, whole = damaged
+    made = [*np.load(io.BytesIO(whole)).values()][1:]
+    _proved_at_once(monkeypatch)
+    divided = []
+    monkeypatch.setattr(pieces, "_divided", lambda *given: divided.append(given) or made)
+    monkeypatch.setenv(_cache.CACHE, str(folder))
+    kept.write_bytes(content)
+    pieces._pieces.cache_clear()
+    for one, other in zip(known, pieces_of(folder / "bracket.stl", 0.001), strict=True):
+        np.testing.assert_array_equal(one.corners, other.corners)
+    assert len(divided) == 1
+    assert kept.read_bytes() == whole
+
+
+def test_a_mesh_that_is_turned_inside_out_has_the_pieces_of_itself(made, tmp_path):
+    mesh = bracket()
+    mesh.invert()
+    mesh.export(tmp_path / "turned.stl")
+    assert trimesh.load_mesh(tmp_path / "turned.stl").volume == pytest.approx(-bracket().volume)
+    found = pieces_of(tmp_path / "turned.stl", 0.001)
+    assert len(found) == len(made[1])
+    total = sum(body.volume for body in found)
+    assert total == pytest.approx(sum(body.volume for body in made[1]), rel=0.05)
+
+
+def test_what_is_convex_is_its_own_piece_and_is_not_divided(tmp_path, monkeypatch):
+    """Boxes, a ball, a thin plate, one with no thickness at all, and a cavity: it is filled."""
+    monkeypatch.setattr(pieces, "_coacd", lambda: pytest.fail("it was divided"))
+    monkeypatch.setenv(_cache.CACHE, "")
+    cavity = trimesh.creation.box((0.5, 0.5, 0.5))
+    cavity.invert()
+    flat = trimesh.creation.box((2, 1, 1))
+    flat.vertices[:, 2] = 0.0
+    for name, parts, volumes, rel in [
+        ("box", [trimesh.creation.box((1, 2, 3))], [6.0], 1e-6),
+        ("hollow", [trimesh.creation.box((1, 1, 1)), cavity], [1.0, 0.125], 1e-6),
+        ("plate", [trimesh.creation.box((1, 1, 1e-3))], [1e-3], 1e-3),
+        ("thinner", [trimesh.creation.box((1, 1, 1e-7))], [1e-4], 1e-2),
+        ("flat", [flat], [2 * 2e-4], 1e-2),
+        ("twice", [trimesh.creation.box((1, 2, 3))] * 2, [6.0], 1e-6),
+        ("ball", [trimesh.creation.icosphere(1)], [4.2], 0.3),
+    ]:
+        file = tmp_path / f"{name}.ply"
+        trimesh.util.concatenate(parts).export(file)
+        found = pieces_of(file)
+        assert sorted(body.volume for body in found) == pytest.approx(sorted(volumes), rel=rel)
+
+
+def test_a_mesh_of_lines_has_no_pieces(tmp_path):
+    (tmp_path / "line.obj").write_text("v 0 0 0\nv 1 0 0\nf 1 2 2\n")
+    with pytest.raises(MeshError, match="has no inside: each of its triangles is but a line"):
+        pieces_of(tmp_path / "line.obj")
 
 
 @pytest.mark.fast

@@ -113,12 +113,11 @@ def test_a_wrapper_that_has_the_name_of_ours_is_traced_as_ever(kept, monkeypatch
 
     @wraps(pso._step)
     def watched(*arguments):
-        return watched.__wrapped__(*arguments)
+        raise NotImplementedError
 
     mine = jax.jit(lambda point: point + 1)
-    step = js.pso().step
     monkeypatch.setattr(pso, "_step", watched)
-    stranger = Partial(watched, *step.args)
+    stranger = Partial(watched, pso.PsoCoefficients())
     assert at_hand(mine, jax.devices(), stranger) is mine
     assert kept() == []
 

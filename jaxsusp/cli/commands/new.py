@@ -18,7 +18,7 @@ ROBOTS = 3
 
 def _several(name: str, value: int) -> None:
     from jaxsusp.errors import require_count
-    from jaxsusp.scenario.choices import FEWEST, MOST
+    from jaxsusp.scenario.builtin import FEWEST, MOST
 
     require_count(name, value, FEWEST, MOST)
 

@@ -55,6 +55,8 @@ def _keys(table: str, model: BaseModel) -> Iterator[Key]:
         else:
             if value is None and table == "payload":
                 continue  # of loads of another shape
+            if key == "pieces" and getattr(model, "shape", None) != "pieces":
+                continue  # there are none
             yield Key(table, key, _IN_WORDS[key] if value is None else value_text(value), given)
 
 
