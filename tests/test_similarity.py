@@ -3,6 +3,8 @@
 from pathlib import Path
 
 import jax.numpy as jnp
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from elsewhere import turned, turned_points
@@ -94,6 +96,19 @@ def test_a_plan_is_verified_anywhere(scenario, plan, frame):
         frame.length * known.simulation.tracking_error, rel=0.02
     )
     assert found.simulation.times[-1] == pytest.approx(frame.number(40.0, "s"))
+
+
+def test_a_fast_plan_far_away_is_the_one_that_was_saved(scenario, plan, tmp_path):
+    """Rounding of places far from the world's origin grows with the third power of haste."""
+    frame = Frame(1.3, 1.7, (4.1e6, 2.2e6, 10.0))
+    points = frame.place(plan.waypoints)
+    moved = js.plan_through(restated(scenario, frame), points, duration=2.0)
+    moved.save(tmp_path / "plan.json")
+    found = js.verify_plan(js.load_plan(tmp_path / "plan.json"), simulation=False)
+    assert [reason for reason in found.reasons if "differs" in reason] == []
+    bent = replace(moved, jerk=moved.jerk * 1.01)
+    told = js.verify_plan(bent, simulation=False).reasons
+    assert any(reason.startswith("jerk differs") for reason in told)
 
 
 @pytest.mark.parametrize("frame", FRAMES.values(), ids=FRAMES)

@@ -16,7 +16,7 @@ from jaxsusp.planning.motion.along import plan_of
 from jaxsusp.planning.motion.smooth import RADII
 from jaxsusp.planning.plan import UNITS, Plan
 from jaxsusp.planning.waypoints import sample_path
-from jaxsusp.scenario.ownunits import PLACE, TOUCH
+from jaxsusp.scenario.ownunits import DIMENSIONS, PLACE, TOUCH
 from jaxsusp.suspension.rigging import Rigging
 from jaxsusp.verify.certificate import certify
 from jaxsusp.verify.pairs import KINDS, System
@@ -93,7 +93,10 @@ def _not_at_rest(plan: Plan) -> list[str]:
 
 
 _STEPS = 1e4
-"""Steps of float64 at the robots' bases that the third derivative of a spline can make of one."""
+"""Steps of float64 at the robots' bases that the third derivative of a spline can make of one in
+`_USUAL`, the benchmark's duration; the faster the law, the more."""
+
+_USUAL = 40.0
 
 
 def _differences(plan: Plan, anew: Plan, name: str) -> list[str]:
@@ -101,7 +104,8 @@ def _differences(plan: Plan, anew: Plan, name: str) -> list[str]:
     frame, unit = plan.scenario.units, UNITS[name].replace(PLACE, "m")
     # Far from the world's origin even float64 has steps that derivatives make large.
     steps = np.spacing(np.abs(frame.origin).max() / frame.length)
-    tolerance = frame.number(TOLERANCES[name] + _STEPS * steps, unit)
+    faster = max(_USUAL / plan.rigging.own.law.duration, 1.0) ** -DIMENSIONS[unit][2]
+    tolerance = frame.number(TOLERANCES[name] + _STEPS * steps * faster, unit)
     stored, known = getattr(plan, name), getattr(anew, name)
     if stored.shape != known.shape:
         return [f"{name} has shape {stored.shape} instead of {known.shape}"]
