@@ -1,10 +1,9 @@
 """The same task elsewhere, in another size, turned or mirrored has the same answers."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import jax.numpy as jnp
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from elsewhere import turned, turned_points
