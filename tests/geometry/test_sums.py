@@ -151,8 +151,8 @@ def test_a_simulated_box_has_its_own_inertia():
     ("payload", "said"),
     [
         ({"size": SIZE, "radius": 0.1}, "states radius, which a load with size or file has"),
-        ({"size": SIZE, "file": "x.stl"}, "states size and file; leave one of them out"),
-        ({"radius": 0.1, "height": 0.3, "yaw_deg": 3.0}, "states scale or yaw_deg, and no size"),
+        ({"size": SIZE, "file": "x.stl"}, "states size and file"),
+        ({"radius": 0.1, "height": 0.3, "yaw_deg": 3.0}, "states yaw_deg, and no size"),
         ({"file": "gone.stl"}, "there is no file"),
         ({"size": [0.1, -0.2, 0.3]}, "size"),
     ],

@@ -36,7 +36,7 @@ def one(monkeypatch):
 @pytest.mark.parametrize("name", ["evosax:CMA_ES", "pymoo:GA", "pymoo:no such"])
 def test_a_library_that_is_not_there_is_named_with_the_command_that_brings_it(none, name):
     library = name.partition(":")[0]
-    message = rf'"{name}": {library} is not installed; pip install "jaxsusp\[peers\]" brings it'
+    message = rf'"{name}": {library} is not installed; pip install "\.\[peers\]" in a copy'
     with pytest.raises(js.InputError, match=message):
         algorithm(name)
     assert peers() == []
