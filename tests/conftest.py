@@ -48,8 +48,11 @@ WHOLE = {
     *("test_study", "test_plans_by_workers", "test_long_studies", "test_stored_runs"),
     *("test_similarity", "test_cli_compare", "test_batch", "test_ablation", "test_random_scenario"),
     *("test_misplaced", "test_leastvariance", "test_polish", "test_nearby", "test_crowded"),
+    *("test_compare", "test_resuming", "test_budgets", "test_host_searches", "test_ends"),
+    *("test_routed", "test_cli_freespace"),
 }
-"""Files of whole journeys, from a statement to a plan or a study's end: half of all the time."""
+"""Files of whole journeys, from a statement to a plan or a study's end: more than half of all the
+time."""
 
 
 @pytest.hookimpl(tryfirst=True)
