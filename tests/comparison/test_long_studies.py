@@ -215,9 +215,9 @@ def test_what_the_disk_cannot_hold_is_not_begun(
 
 
 def test_an_estimate_is_told_in_round_numbers():
-    assert "7 seconds, 150 MiB of memory" in str(Estimate(7.0, 150 * 2**20, 1))
+    assert "7 seconds once compiled, 150 MiB of memory" in str(Estimate(7.0, 150 * 2**20, 1))
     assert str(Estimate(7200.0, 2**30, 3 * 2**20)) == (
-        "about 2 hours, 1 GiB of memory and 3 MiB on disk"
+        "about 2 hours once compiled, 1 GiB of memory and 3 MiB on disk"
     )
 
 
