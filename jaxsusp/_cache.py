@@ -6,6 +6,7 @@ may read, write and remove at once: what is gone or damaged is made anew.
 
 import functools
 import hashlib
+import math
 import os
 import re
 import secrets
@@ -39,8 +40,9 @@ LIMIT = 2**30
 
 
 _PACKAGE = Path(__file__).parent
-_LOADED = time.time()
-_ALONE = secrets.token_hex(8)
+_LOADED = time.time()  # s since 1970
+_ALONE = secrets.token_hex(8)  # of this process
+_TOLD: list[Path] = []  # where nothing can be kept
 
 
 class Kept(NamedTuple):
@@ -61,28 +63,25 @@ def cache_folder(kind: str) -> Path | None:
 
 @contextmanager
 def keeping(file: Path) -> Iterator[None]:
-    """Where a file is kept for the next time: what cannot be kept costs time then, and a warning.
+    """Keep a file for the next time; what cannot be kept costs time then.
 
-    There is one in a process.
+    The first time that it cannot, a process warns.
     """
     try:
         yield
         drop_oldest(file.parent)
     except (OSError, InputError) as error:
-        if not _told:
-            _told.append(file)
+        if not _TOLD:
+            _TOLD.append(file)
             warnings.warn(
-                f"{file.parent}: nothing can be kept there ({reason_of(error)}), so the same will "
+                f"{file.parent}: nothing can be kept there ({_reason_of(error)}), so the same will "
                 f"take as long next time; make room, name another folder in {CACHE}, or set "
                 f"{NO_CACHE}=1",
                 stacklevel=3,
             )
 
 
-_told: list[Path] = []
-
-
-def reason_of(error: Exception) -> str:
+def _reason_of(error: Exception) -> str:
     """What the system says of a file."""
     cause = error.__cause__ if isinstance(error, InputError) else error
     return getattr(cause, "strerror", None) or str(error)
@@ -147,8 +146,16 @@ def _digest_of(*rooms: str) -> str:
 
 
 def _last_change() -> float:
-    """When a file of the package was last changed (s since 1970)."""
-    return max((file.stat().st_mtime for file in _PACKAGE.rglob("*.py")), default=0.0)
+    """When a file of the package was last changed (s since 1970): asked before every search."""
+    try:
+        return max(os.stat(file).st_mtime for file in _sources(_PACKAGE))
+    except FileNotFoundError:
+        return math.inf
+
+
+@functools.cache
+def _sources(package: Path) -> list[str]:
+    return [os.fspath(file) for file in package.rglob("*.py")]
 
 
 def _files(folder: Path) -> Iterator[tuple[float, int, Path]]:

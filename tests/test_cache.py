@@ -85,7 +85,7 @@ def test_a_place_where_nothing_can_be_kept_is_told(run, monkeypatch, folder):
 
 
 def test_what_cannot_be_kept_is_told_once(monkeypatch, folder):
-    monkeypatch.setattr(_cache, "_told", [])
+    monkeypatch.setattr(_cache, "_TOLD", [])
     file = folder / "missing" / "a.nc"
     with (
         pytest.warns(
@@ -95,11 +95,11 @@ def test_what_cannot_be_kept_is_told_once(monkeypatch, folder):
     ):
         file.write_bytes(b"")
     with _cache.keeping(file):
-        write_netcdf_fails(file)
+        fails(file)
     assert len(told) == 1
 
 
-def write_netcdf_fails(file):
+def fails(file):
     raise InputError(f"{file}: cannot be written")
 
 

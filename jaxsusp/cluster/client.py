@@ -148,8 +148,8 @@ class Cluster:
                 self._refuse(address, wrong)
         self._require_somebody()
         if many := len(self.workers):
-            told = f"{many} workers do" if many > 1 else "1 worker does"
-            self.told(f"{told} the work; what is finished is told, compiling is not")
+            who = f"{many} workers do" if many > 1 else "1 worker does"
+            self.told(f"{who} the work; what is finished is told, compiling is not")
 
     def _wait_for_the_first(self) -> None:
         """Say once that nothing goes on yet: workers of a queue can take hours to come."""

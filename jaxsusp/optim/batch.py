@@ -134,9 +134,9 @@ def _launched(
         each = max(LEAST, -(-wanted // len(devices)))
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
-        arguments = _placed(tuple(devices), problems, optimizer, keys)
         sizes = population, iterations, room
-        start, advance_all = _programs(tuple(devices), *sizes)
+        placed, start, advance_all = _programs(tuple(devices), *sizes)
+        arguments = placed(problems, optimizer, keys)
         begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
         # All that it is made for shows in its arguments: runs of other lengths share it.
         advanced = at_hand(advance_all, devices, *arguments, begun, *_span(1, 1), part="go")
@@ -147,14 +147,6 @@ def _launched(
         yield go, go(begun, 1, 1)  # runs nothing
 
 
-def _placed(devices: tuple, problems: Problem, optimizer: Optimizer, keys: Array) -> tuple:
-    """Arguments where the programs want them: else every call takes them there anew."""
-    mesh = Mesh(np.asarray(devices), ("runs",))
-    everywhere, per_run = (NamedSharding(mesh, PartitionSpec(*axes)) for axes in ((), ("runs",)))
-    common = jax.device_put((problems, optimizer), everywhere)
-    return *common, jax.device_put(keys, per_run)
-
-
 def _span(first: int, stop: int) -> tuple[Array, Array]:
     """Iterations as arguments of a compiled program, whose values do not belong to it."""
     return jnp.int32(first), jnp.int32(stop)
@@ -162,10 +154,18 @@ def _span(first: int, stop: int) -> tuple[Array, Array]:
 
 @functools.lru_cache(maxsize=64)
 def _programs(devices: tuple, population: int, iterations: int, room: int):
-    """Compiled-once entry points (start, go); JAX keys them by the shapes of their arguments."""
+    """(placed, start, go): a way to place arguments, and entry points that are compiled once.
+
+    JAX keys them by the shapes of their arguments. Those that are not where a program wants them
+    would be taken there in every call.
+    """
     mesh = Mesh(np.asarray(devices), ("runs",))
     per_run, everywhere = PartitionSpec("runs"), PartitionSpec()
     stacked = PartitionSpec(None, "runs")
+
+    def placed(problems: Problem, optimizer: Optimizer, keys: Array) -> tuple:
+        common = jax.device_put((problems, optimizer), NamedSharding(mesh, everywhere))
+        return *common, jax.device_put(keys, NamedSharding(mesh, per_run))
 
     def start(problems: Problem, optimizer: Optimizer, keys: Array) -> Progress:
         def one(problem, key):
@@ -183,6 +183,7 @@ def _programs(devices: tuple, population: int, iterations: int, room: int):
     shard = functools.partial(jax.shard_map, mesh=mesh, out_specs=stacked, check_vma=False)
     arguments = (everywhere, everywhere, per_run)
     return (
+        placed,
         jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE),
         jax.jit(shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))),
     )

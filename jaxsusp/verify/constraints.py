@@ -126,8 +126,8 @@ def sampled_report(
         _of_cable("tension", loads.tensions, times, min, low, inf, "N"),
         _of_cable("tension", loads.tensions, times, max, -inf, high, "N"),
         _of_cable("ultimate tension T_lim", loads.tensions, times, max, -inf, ultimate, "N"),
-        _extreme(RATIO, balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
-        _extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
+        extreme(RATIO, balance, times, min, 0.0, 1.0, "")._replace(slack=-1e-12),
+        extreme("stability factor S_c", loads.stability, times, min, limits.stability, inf, ""),
         *_inside(scenario, motion.position, times),
         *_task(scenario, motion.position, times),
         *_robots(rigging, ends, times),
@@ -192,17 +192,17 @@ def _posture(scenario: Scenario, loads: Loads, motion: Motion, ends, times) -> l
     if scenario.payload.attachments == "hook":
         sideways = np.linalg.norm(acceleration[:, :2], axis=1)
         tilt = np.rad2deg(np.arctan2(sideways, GRAVITY + acceleration[:, 2]))
-        return [_extreme("tilt of the load", tilt, times, max, -inf, limit, "°")]
+        return [extreme("tilt of the load", tilt, times, max, -inf, limit, "°")]
     turn = np.where(loads.balanced, np.rad2deg(loads.turn), np.nan)
     missing = np.where(loads.balanced, 0.0, loads.missing)
     through = _cables_in_load(scenario, loads.posture, position, ends).astype(float)
     return [
-        _extreme(TURN, turn, times, max, -inf, limit, "°"),
+        extreme(TURN, turn, times, max, -inf, limit, "°"),
         _of_cable("share of a cable in its load", through, times, max, -inf, 0.0, "")._replace(
             name="share of a cable in its load"
         ),
-        _extreme("moment that no tension balances", missing, times, max, -inf, 0.0, "N m"),
-        _extreme("stiffness of the equilibrium", loads.stiffness, times, min, 0.0, inf, "N/m"),
+        extreme("moment that no tension balances", missing, times, max, -inf, 0.0, "N m"),
+        extreme("stiffness of the equilibrium", loads.stiffness, times, min, 0.0, inf, "N/m"),
     ]
 
 
@@ -274,7 +274,7 @@ def slack(unit: str, most: float = np.inf) -> float:
     return {"m": ROUNDING, "N": 1e-6 * PAYLOAD * GRAVITY}.get(unit, least)
 
 
-def _extreme(name, values, times, which, low, high, unit, about="") -> Check:
+def extreme(name, values, times, which, low, high, unit, about="") -> Check:
     """The worst of a quantity over time; a NaN is the worst of all."""
     at, beyond = int(np.argmin(values) if which is min else np.argmax(values)), slack(unit, high)
     return Check(name, float(values[at]), low, high, unit, float(times[at]), about, beyond)
@@ -295,7 +295,7 @@ def _inside(scenario: Scenario, position: np.ndarray, times: np.ndarray) -> list
     box = scenario.workspace
     inside = np.minimum(position - box.lower, box.upper - position)
     return [
-        _extreme(
+        extreme(
             "inside the workspace", inside.min(axis=1), times, min,
             -WORKSPACE_TOLERANCE, np.inf, "m", "load",
         )
@@ -330,9 +330,7 @@ def _robots(rigging: Rigging, ends: np.ndarray, times: np.ndarray) -> list[Check
         speeds = np.abs(np.gradient(joints, times, axis=0)).max(axis=2)
         k, most = int(speeds.max(axis=0).argmax()), scenario.limits.joint_speed_deg or JOINT_SPEED
         about = f"robot {k + 1}"
-        checks.append(
-            _extreme("joint speed", speeds[:, k], times, max, -np.inf, most, "°/s", about)
-        )
+        checks.append(extreme("joint speed", speeds[:, k], times, max, -np.inf, most, "°/s", about))
     limits = scenario.limits.joint_limits_deg
     if limits is not None:
         for k in range(rigging.cables):

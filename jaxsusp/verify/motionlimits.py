@@ -3,7 +3,7 @@
 import numpy as np
 
 from jaxsusp.suspension.rigging import Rigging
-from jaxsusp.verify.constraints import INSTANTS, Check, slack
+from jaxsusp.verify.constraints import INSTANTS, Check, extreme
 
 
 def motion_limits(rigging: Rigging) -> tuple[Check, ...]:
@@ -12,7 +12,7 @@ def motion_limits(rigging: Rigging) -> tuple[Check, ...]:
     Args:
         rigging: the system along its path, in own units.
     """
-    limits = rigging.scenario.limits
+    limits, least = rigging.scenario.limits, -np.inf
     times = np.linspace(0, rigging.law.duration, INSTANTS)
     motion, found = rigging.law.at(times), []
     for name, most, vector, unit in (
@@ -22,17 +22,10 @@ def motion_limits(rigging: Rigging) -> tuple[Check, ...]:
     ):
         if most is not None:
             size = np.linalg.norm(vector, axis=1)
-            found.append(_greatest(name, size, most, unit, times, "load"))
+            found.append(extreme(name, size, times, max, least, most, unit, "load"))
     if limits.cable_speed is not None:
         speeds = np.abs(np.gradient(rigging.loads(times).lengths, times, axis=0))
         k = int(speeds.max(axis=0).argmax())
-        name, about = "speed of a cable", f"cable {k + 1}"
-        found.append(_greatest(name, speeds[:, k], limits.cable_speed, "m/s", times, about))
+        name, most, about = "speed of a cable", limits.cable_speed, f"cable {k + 1}"
+        found.append(extreme(name, speeds[:, k], times, max, least, most, "m/s", about))
     return tuple(found)
-
-
-def _greatest(name: str, values, most: float, unit: str, times, about: str) -> Check:
-    at = int(values.argmax())
-    return Check(
-        name, float(values[at]), -np.inf, most, unit, float(times[at]), about, slack(unit, most)
-    )

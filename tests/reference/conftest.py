@@ -3,4 +3,5 @@
 import os
 from pathlib import Path
 
-os.environ["LOG_CFG"] = str(Path(__file__).with_name("pyswarms-logging.yaml"))
+_PEERS = Path(__file__).parents[2] / "benchmarks/peers/libraries"
+os.environ["LOG_CFG"] = str(_PEERS / "pyswarms-logging.yaml")

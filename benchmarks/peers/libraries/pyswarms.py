@@ -1,18 +1,15 @@
 """pyswarms: its objective takes a swarm. It has no defaults; these are its introduction's."""
 
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.peers.task import Objective, Peer, Task, run_by_run
 
-with tempfile.TemporaryDirectory() as _folder:  # else it writes report.log where it is imported
-    _quiet = Path(_folder) / "logging.yaml"
-    _quiet.write_text("version: 1\ndisable_existing_loggers: false\n")
-    os.environ.setdefault("LOG_CFG", str(_quiet))
-    from pyswarms.single.global_best import GlobalBestPSO
+# Read when pyswarms is loaded, and again for every swarm.
+os.environ.setdefault("LOG_CFG", str(Path(__file__).with_name("pyswarms-logging.yaml")))
+from pyswarms.single.global_best import GlobalBestPSO
 
 OPTIONS = {"c1": 0.5, "c2": 0.3, "w": 0.9}
 

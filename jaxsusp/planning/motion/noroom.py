@@ -45,7 +45,8 @@ def obstruction(rigging: Rigging, followed: bool) -> Obstruction:
         return Obstruction("limits.tension", _no_tension(rigging.scenario.limits, tightest, say))
     at = int(getattr(asked, kind).argmax())
     time = np.linspace(0, law.duration, INSTANTS)[at : at + 1]
-    bound = _bound_of(kind, rigging, demands_along(rigging, law.law(time), followed))
+    there = demands_along(rigging, law.law(time), followed)
+    bound = _bound_of(kind, rigging, there, followed)
     what = f"{bound.field} = {bound.value}" if bound.field else bound.words
     takes, place = law.duration * needed[kind], law.at(time).position[0]
     remedy = "widen it" if kind == "tension" else "raise it" if bound.field else "state another"
@@ -58,10 +59,10 @@ def obstruction(rigging: Rigging, followed: bool) -> Obstruction:
     )
 
 
-def _bound_of(kind: str, rigging: Rigging, there: Demands) -> Bound:
+def _bound_of(kind: str, rigging: Rigging, there: Demands, followed: bool) -> Bound:
     """The limit of a kind; of the load's speed and the cables' the one that is narrower there."""
     scenario = rigging.scenario
-    found = {each.field: each for each in bounds(scenario, True) if each.kind == kind}
+    found = {each.field: each for each in bounds(scenario, followed) if each.kind == kind}
     if len(found) == 2:
         of_load = scenario.limits.speed**2 <= there.square[0]  # pyright: ignore[reportOptionalOperand]
         return found["limits.speed" if of_load else "limits.cable_speed"]

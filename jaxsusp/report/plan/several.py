@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from jaxsusp.planning.many.kept import Planned
-from jaxsusp.planning.plan import Plan
+from jaxsusp.report.plan.words import was_played
 from jaxsusp.report.render import Column, significant
 
 
@@ -32,14 +32,11 @@ def plans_table(planned: Sequence[Planned]) -> pd.DataFrame:
 
 def _not_played(planned: Sequence[Planned]) -> str:
     """How many plans stand as far as is known without simulation, in a sentence; "" where none."""
-    count = sum(each.feasible and not _played(each.plan) for each in planned)
+    plans = [each.plan for each in planned if each.plan is not None and each.feasible]
+    count = sum(not was_played(plan) for plan in plans)
     if not count:
         return ""
     return f" Not played: {count}; whether a swinging load follows, `jaxsusp verify` tells."
-
-
-def _played(plan: Plan | None) -> bool:
-    return plan is not None and bool(plan.settings.get("simulated", False))
 
 
 def _row(each: Planned) -> dict[str, Any]:
@@ -48,7 +45,7 @@ def _row(each: Planned) -> dict[str, Any]:
     return {
         "scenario": each.name,
         "plan": verdict,
-        "played": "yes" if _played(plan) else "no",
+        "played": "yes" if plan is not None and was_played(plan) else "no",
         "length": nan if plan is None else plan.law.path.length,
         "fitness": nan if plan is None else float(plan.settings.get("fitness", nan)),
         "clearance": nan if plan is None else plan.clearance,

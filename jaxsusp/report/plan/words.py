@@ -93,7 +93,12 @@ def paced_by(plan: Plan) -> tuple[Bound, ...]:
 
 def had_to_follow(plan: Plan) -> bool:
     """Whether a shortest law was made so that a swinging load follows; old plans: was played."""
-    return bool(plan.settings.get("has_to_follow", plan.settings.get("simulated", False)))
+    return bool(plan.settings.get("has_to_follow", was_played(plan)))
+
+
+def was_played(plan: Plan) -> bool:
+    """Whether it was played in simulation when it was planned."""
+    return bool(plan.settings.get("simulated", False))
 
 
 def how_calm(plan: Plan) -> str:
@@ -109,7 +114,7 @@ def how_calm(plan: Plan) -> str:
 
 def how_followed(plan: Plan) -> str:
     """One sentence about the simulation, or that there was none."""
-    if not plan.settings.get("simulated", False):
+    if not was_played(plan):
         if plan.feasible:
             return "Not played: whether a swinging load follows, `jaxsusp verify` tells."
         return "Not played: only plans that keep their limits are."
