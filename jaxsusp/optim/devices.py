@@ -1,9 +1,10 @@
-"""How a program of ours starts JAX: one device per core, wide vectors, compiled programs kept.
+"""How a program of ours starts JAX: devices, wide vectors, freed memory and programs kept.
 
 The library itself sets nothing global; the command line, the benchmarks and the experiments call
 `configure` before anything touches a device.
 """
 
+import ctypes
 import hashlib
 import os
 import platform
@@ -27,6 +28,10 @@ WIDE = "--xla_cpu_prefer_vector_width=512"
 WORTH = 0.2
 """Seconds of compilation from which a program is kept: it takes 0.01 to 0.1 to load."""
 
+MALLOC = {-3: 32 * 2**20, -1: 256 * 2**20}
+"""Of glibc, in bytes: arrays above M_MMAP_THRESHOLD (the most that it takes) are pages of the
+system's, and so much of what was freed is held at hand (M_TRIM_THRESHOLD)."""
+
 
 def cores() -> int:
     """Number of cores this process may use (`taskset` and cgroup affinity count)."""
@@ -38,6 +43,8 @@ def cores() -> int:
 def configure(devices: int | None = None, keep: bool = True, device: str | None = None) -> None:
     """Choose devices and code generation; only before the first computation.
 
+    What was freed is held at hand, see `_keep_memory`.
+
     Args:
         devices: number of CPU devices; default one per core, or JAX_NUM_CPU_DEVICES if set.
         keep: whether compiled programs are kept for the next process, see `_keep_programs`.
@@ -46,6 +53,7 @@ def configure(devices: int | None = None, keep: bool = True, device: str | None 
     Raises:
         InputError: see `use`.
     """
+    _keep_memory()
     flags = os.environ.get("XLA_FLAGS", "")
     if "xla_cpu_prefer_vector_width" not in flags and _has_wide_vectors():
         os.environ["XLA_FLAGS"] = f"{flags} {WIDE}".strip()
@@ -102,6 +110,18 @@ def free_memory() -> int | None:
     told = [each.memory_stats() for each in jax.devices()]
     free = [each["bytes_limit"] - each["bytes_in_use"] for each in told if each]
     return len(free) * min(free) if len(free) == len(told) else None
+
+
+def _keep_memory() -> None:
+    """Have the arrays of one call of a program serve the next one.
+
+    A call frees its arrays and the next one wants as many: pages that go to the system and come
+    back, zeroed, cost a third of the time of a batch; half of it in a worker of Dask's, which has
+    its allocator give back whatever is freed.
+    """
+    with suppress(OSError, AttributeError, TypeError):  # another allocator than glibc's
+        for parameter, value in MALLOC.items():
+            ctypes.CDLL(None).mallopt(parameter, value)
 
 
 def _keep_programs() -> None:
