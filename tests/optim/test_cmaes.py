@@ -114,3 +114,13 @@ def test_a_population_that_is_too_small_is_refused(name):
     problem = js.Problem(lambda x: (x**2).sum(), -np.ones(2), np.ones(2))
     with pytest.raises(InputError, match=f"population of {name} = 3: .*at least 4"):
         js.minimize(problem, name, population=3)
+
+
+@pytest.mark.parametrize("wide", [False, True])
+def test_a_covariance_that_rounding_made_indefinite_still_has_a_factor(wide):
+    """Its columns beside a lost variance would be taken for spread of any size."""
+    with jax.enable_x64(wide):
+        C = jnp.asarray([[1.0, 1.0, 0.5], [1.0, 1.0, 0.3], [0.5, 0.3, 1.0]])  # λ of -0.02, 0.9, 2.1
+        candidates = draw(jax.random.key(0), gaussian(jnp.zeros(3), jnp.ones(3), False)._replace(
+            covariance=C), 10_000)  # fmt: skip
+    np.testing.assert_allclose(np.std(candidates, axis=0), [1, 1, 1], atol=0.1)

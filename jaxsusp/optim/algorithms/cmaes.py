@@ -177,7 +177,9 @@ def learn(g: Gaussian, x: Float[Array, "pop dim"], fitness: Float[Array, "pop"])
         old * g.covariance + p.c_1 * root.outer(path_c[None], jnp.ones(1, dtype))
         + p.c_mu * root.outer(y, scaled)
     )  # Eq. 47  # fmt: skip
-    return Gaussian(mean, jnp.clip(sigma, 1e-7, 1.0), C, path_sigma, path_c, generation)
+    return Gaussian(
+        mean, jnp.clip(sigma, _RESOLVED[dtype.name], 1.0), C, path_sigma, path_c, generation
+    )
 
 
 class _Full(NamedTuple):
@@ -227,18 +229,24 @@ def _root(C: Array) -> _Full | _Diagonal:
     """A square root of a covariance."""
     if C.ndim == 1:
         return _Diagonal(jnp.sqrt(jnp.maximum(C, _TINY)))
-    dim, least = len(C), jnp.maximum(_CONDITION * jnp.diagonal(C).max(), _TINY)
+    dim, least = len(C), jnp.maximum(_RESOLVED[C.dtype.name] * jnp.diagonal(C).max(), _TINY)
 
     def column(j, factor):  # LAPACK's would be called matrix by matrix, outside the program
         rest = C[:, j] - factor @ factor[j]
+        # What rounding has left of a variance says nothing of those that go with it.
+        beside = jnp.where(rest[j] < least, 0, rest)
+        rest = jnp.where(jnp.arange(dim) == j, jnp.maximum(rest[j], least), beside)
         rest = jnp.where(jnp.arange(dim) < j, 0, rest)
-        return factor.at[:, j].set(rest / jnp.sqrt(jnp.maximum(rest[j], least)))
+        return factor.at[:, j].set(rest / jnp.sqrt(rest[j]))
 
     return _Full(jax.lax.fori_loop(0, dim, column, jnp.zeros_like(C)))
 
 
-_TINY, _CONDITION = 1e-20, 1e-7
-"""What a variance is at least, and as a share of the greatest: float32 resolves no more."""
+_TINY = 1e-20
+"""What a variance is at least."""
+
+_RESOLVED = {"float32": 1e-7, "float64": 1e-14}
+"""What σ is at least, and a variance as a share of the greatest: as much as numbers resolve."""
 
 
 def parameters(dim: int, population: int, diagonal: bool) -> Parameters:

@@ -52,9 +52,10 @@ class Record:
         return self.best - self.least <= FINAL or self.evaluations >= self.budget
 
     def add(self, x: Float[np.ndarray, "asked dim"], value: Float[np.ndarray, "asked"]) -> None:
-        """Take note of the next evaluations, as far as the run lasts."""
+        """Take note of the next evaluations, as far as the run lasts; a NaN is none that counts."""
         if self.ended or len(value) == 0:
             return
+        value = np.where(np.isnan(value), np.inf, value)
         least = np.maximum(value, self.least)
         best = np.minimum.accumulate(np.append(self.best, least))[1:]
         solved = np.flatnonzero(best - self.least <= FINAL)
