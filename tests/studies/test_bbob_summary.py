@@ -87,3 +87,13 @@ def test_the_summary_that_is_kept_can_be_drawn():
     assert (times["reached"] <= times["runs"]).all()
     steps = shares[[f"{step:g}" for step in summary.STEPS]].to_numpy()
     assert (np.diff(steps, axis=1) >= 0).all()
+
+
+def test_the_page_says_what_the_summary_that_is_kept_says():
+    root = Path(__file__).parents[2]
+    times = pd.read_csv(root / "experiments/data/bbob.csv")
+    dimensions = sorted({*times["dimension"]})
+    page = (root / "docs/howto/bbob.md").read_text(encoding="utf-8")
+    for line in to_markdown(published.solved(times, {}, 10_000)).splitlines()[2:11]:
+        assert line in page
+    assert f"| | {' | '.join(f'D = {dim}' for dim in dimensions)} |" in page
