@@ -54,13 +54,6 @@ def told(values, budget=100, portion=100) -> Record:
 VALUES = [13.0, 14.0, 12.9, 12.0, 12.0, 11.99, 10.5, 11.0, 10.001, 10.001, 10.0009]
 
 
-def test_a_nan_never_wins():
-    record = Record(2, 10.0, 100)
-    record.add(np.zeros((3, 2)), np.array([np.nan, 12.0, np.nan]))
-    assert (record.best, record.evaluations) == (12.0, 3)
-    assert record.by_number().best[-1] == 12.0
-
-
 @pytest.mark.fast
 @pytest.mark.parametrize("portion", [1, 4, 100])
 def test_a_record_does_not_depend_on_the_portions_that_it_is_told(portion):
@@ -72,6 +65,13 @@ def test_a_record_does_not_depend_on_the_portions_that_it_is_told(portion):
     np.testing.assert_array_equal(record.reached(np.array([5, 2, 0.5, 1e-3, 1e-8])),
                                   [1, 4, 7, 9, np.nan])  # fmt: skip
     assert record.best_x.tolist() == [20.0, 21.0]
+
+
+@pytest.mark.fast
+def test_a_nan_never_wins():
+    record = told([np.nan, 12.0, np.nan])
+    assert (record.best, record.evaluations) == (12.0, 3)
+    assert record.by_number().best[-1] == 12.0
 
 
 @pytest.mark.fast
