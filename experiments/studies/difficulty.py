@@ -32,8 +32,9 @@ TITLE = "What makes a task hard"
 PRINTED = ""
 DIFFERS = (
     "Random scenes, blocked and proved to be solvable, in which one thing is changed at a time: "
-    "the number of obstacles, the number of robots, the width of the narrowest passage. How often "
-    "is a plan found, how often does a search end clear, and what does it cost?"
+    "the number of obstacles, the number of robots, the width of the narrowest passage, which lies "
+    "between start and goal and not at one of them. How often is a plan found, how often does a "
+    "search end clear, and what does it cost?"
 )
 MADE = READ = ("difficulty",)
 MINUTES = 8.0
@@ -52,18 +53,17 @@ class Settings(NamedTuple):
     """One sweep after the other about the level that all of them share, and the comparison."""
 
     base: Level = Level()
-    obstacles: tuple[int, ...] = (6, 25, 50)
-    robots: tuple[int, ...] = (5, 8)
+    obstacles: tuple[int, ...] = (6, 25, 50, 100, 200)
+    robots: tuple[int, ...] = (4, 5, 6, 8)
     passages: tuple[tuple[float, float], ...] = ((0.1, 0.2), (0.4, 0.8))
-    scenes: int = 4  # of a level, on which algorithms are compared …
-    planned: int = 1  # … and of these so many are planned as well, with the base's robots …
-    planned_up_to: int = 25  # … and up to so many obstacles: each shape compiles programs anew
+    scenes: int = 6  # of a level, on which algorithms are compared …
+    planned: int = 1  # … and of these so many are planned as well: each shape compiles anew
     fewer: tuple[tuple[int, int], ...] = ()  # (obstacles, scenes) where scenes take long to draw
-    algorithms: tuple[str, ...] = ("pso",)
+    algorithms: tuple[str, ...] = ("pso", "ga", "dbo", "sdbo")
     runs: int = 10
     iterations: int = 200
     population: int = 30
-    processes: int = 1
+    processes: int = 2
 
     def levels(self) -> list[Level]:
         """All of them, that of the base first."""
@@ -83,11 +83,6 @@ class Settings(NamedTuple):
             for seed in range(min(self.scenes, fewer.get(level.obstacles, self.scenes)))
         ]
 
-    def plans(self, level: Level, seed: int) -> bool:
-        """Whether a scene is planned as well."""
-        few = level.robots == self.base.robots and level.obstacles <= self.planned_up_to
-        return few and seed < self.planned
-
 
 FULL = Settings()
 MINIATURE = Settings(
@@ -104,8 +99,8 @@ def make(settings: Settings, work: Work) -> None:
         search="box", output=work.folder / "comparison", resume=True,
     )  # fmt: skip
     plans = [
-        planned(task, work) if settings.plans(*draw) else _UNPLANNED
-        for draw, task in zip(settings.draws(), tasks, strict=True)
+        planned(task, work) if seed < settings.planned else _UNPLANNED
+        for (_, seed), task in zip(settings.draws(), tasks, strict=True)
     ]
     frame = pd.DataFrame([row | plan for row, plan in zip(scenes, plans, strict=True)])
     work.artefacts.keep("difficulty", beside(frame.drop(columns="file"), ds), settings)

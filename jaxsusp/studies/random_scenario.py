@@ -13,7 +13,6 @@ from jaxsusp._types import Array
 from jaxsusp.errors import InputError, require, require_count, require_known, require_seed
 from jaxsusp.freespace.bodies import domain_of, obstacle_bodies
 from jaxsusp.freespace.build import free_space
-from jaxsusp.freespace.cells.passage import passage_width
 from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.mechanics.drives import moving
@@ -22,6 +21,7 @@ from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
 from jaxsusp.scenario.ownunits import UNCHANGED
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world
+from jaxsusp.studies.narrowing import ENDS, HEADROOM, leaving, narrowed
 from jaxsusp.studies.rigs import MOST_ROBOTS, RIGS, benchmark_rig, drawn_kind, drawn_rig, elsewhere
 from jaxsusp.vec3 import Vec3
 
@@ -72,7 +72,10 @@ def random_scenario(
         robots: how many, 3 to 12, evenly on the benchmark's ring; default three of the benchmark,
             and of "any" as many as are drawn.
         passage: least and greatest width of the narrowest place of the widest way, see
-            `jaxsusp.passage` (m; of "any" in its own units); default whatever it comes to.
+            `jaxsusp.passage` (m; of "any" in its own units); default whatever it comes to, which
+            is most often what an obstacle beside start or goal leaves. Where it is given, the
+            place lies between them: the top of the workspace comes down to the ends, and
+            obstacles grow, until the way is as narrow.
 
     Raises:
         InputError: bad numbers, an unknown rig, or no such scene within 60 attempts, 600 where a
@@ -94,10 +97,12 @@ def random_scenario(
     for attempt in range(attempts):
         random = np.random.default_rng([seed, obstacles, attempt])
         empty, frame = drawn_rig(random, kind) if kind else (benchmark_rig(robots), UNCHANGED)
-        scenario = _draw(random, name, obstacles, empty)
+        scenario = _draw(random, name, obstacles, empty, passage and ENDS * passage[1])
         if scenario is None or not blocked(scenario):
             continue
-        if (passage is None or _as_wide(scenario, passage)) and solvable(scenario):
+        if passage is not None:
+            scenario = narrowed(scenario, passage)
+        if scenario is not None and solvable(scenario):
             return elsewhere(scenario, frame)
     wide = "" if passage is None else f" {passage[0]:g} to {passage[1]:g} m wide"
     raise InputError(
@@ -159,10 +164,6 @@ def _is_range(passage: object) -> bool:
     return bool(0 <= passage[0] < passage[1])
 
 
-def _as_wide(scenario: Scenario, passage: tuple[float, float]) -> bool:
-    return passage[0] <= passage_width(scenario) <= passage[1]
-
-
 def blocked(scenario: Scenario) -> bool:
     """Whether the load or a cable meets an obstacle on the straight line from start to goal."""
     line = np.array([scenario.task.start, scenario.task.goal])
@@ -210,17 +211,24 @@ def _sampled(polyline: Points) -> Points:
 
 
 def _draw(
-    random: np.random.Generator, name: str, count: int, empty: dict[str, Any]
+    random: np.random.Generator, name: str, count: int, empty: dict[str, Any], room: float | None
 ) -> Scenario | None:
-    """A scene whose obstacles leave start and goal clear; None where that did not work out."""
+    """A scene whose obstacles leave start and goal clear; None where that did not work out.
+
+    Where room (m) at the ends is asked for, the workspace has no more height than they need.
+    """
     empty = empty | {"name": name, "obstacles": []}
     start, goal = _ends_of_task(random, MOVED if moving(empty["drive"]) else 1.0)
     empty["task"] |= {"start": start.tolist(), "goal": goal.tolist()}
+    if room is not None:
+        x, y, _ = empty["workspace"]["upper"]
+        top = round(float(max(start[2], goal[2])) + HEADROOM, 3)
+        empty["workspace"] = empty["workspace"] | {"upper": [x, y, top]}
     try:
         frame = Scenario.model_validate(empty)
     except ValidationError:
         return None
-    obstacles = _place_obstacles(random, frame, count)
+    obstacles = _place_obstacles(random, frame, count, room)
     if obstacles is None:
         return None
     try:
@@ -244,10 +252,11 @@ def _ends_of_task(random: np.random.Generator, wide: float) -> tuple[Point, Poin
 
 
 def _place_obstacles(
-    random: np.random.Generator, frame: Scenario, count: int
+    random: np.random.Generator, frame: Scenario, count: int, room: float | None
 ) -> list[Obstacle] | None:
     """Obstacles one by one: too big a one is drawn again, smaller, and so are those after it."""
     domain = domain_of(frame)
+    leaves = leaving(frame, room) if room is not None else lambda _: True
     frame = frame.model_copy(update={"drive": "cable"})  # moving cables begin clear as well
     cloud = random.uniform(frame.workspace.lower, frame.workspace.upper, (_CLOUD, 3))
     cloud = cloud[domain.excess(cloud) < 0]
@@ -260,7 +269,7 @@ def _place_obstacles(
             obstacle = _obstacle(random, f"{number + 1}", place, scale)
             scale *= 0.85
             bodies = _bodies(frame, obstacle)
-            if bodies is None or _near(bodies, ends):
+            if bodies is None or _near(bodies, ends) or not leaves(obstacle):
                 continue
             now = taken | bodies.holding(cloud)
             if now.mean() <= FILLED * (number + 4) / count or number == 0:
