@@ -6,9 +6,12 @@ the same program. A run's numbers do not depend on how many others share it.
 
 import functools
 import itertools
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +23,7 @@ from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, Optimizer
 from jaxsusp.optim.host import Evaluate, HostBatch, run_on_host, time_on_host
 from jaxsusp.optim.loop import Progress, advance, begin, run_key
 from jaxsusp.optim.outcome import Outcome
-from jaxsusp.optim.programs import at_hand
+from jaxsusp.optim.programs import at_hand, is_at_hand, kept_in
 from jaxsusp.problem.problem import Problem
 
 ONCE = {"xla_backend_optimization_level": 1}
@@ -115,6 +118,32 @@ def _stops(iterations: int) -> list[int]:
     return stops.round().astype(int).tolist()
 
 
+def compile_ahead(
+    problems: Problem,
+    optimizer: AnyOptimizer,
+    seed: int,
+    runs: Sequence[int],
+    iterations: int,
+    population: int,
+) -> None:
+    """Begin to compile what `run_batch` takes for such arguments, and come back at once.
+
+    `run_batch` waits for what is not finished. Where no compiled programs are kept (see
+    `optim.programs`), or they are at hand, nothing is done.
+    """
+    if isinstance(optimizer, HostOptimizer) or kept_in() is None:
+        return
+
+    def compiled() -> None:
+        with suppress(Exception):  # what is wrong shows in the search itself
+            sizes = population, iterations, iterations
+            with _laid_out(problems, optimizer, seed, runs, *sizes, 0) as batch:
+                if not batch.begins_at_hand:
+                    batch.compiled()
+
+    threading.Thread(target=compiled, name="compile ahead").start()
+
+
 @contextmanager
 def _launched(
     problems: Problem,
@@ -127,6 +156,70 @@ def _launched(
     lanes: int,
 ) -> Iterator[tuple[Callable[[Progress, int, int], Progress], Progress]]:
     """Compile a batch and begin it: `go(progress, first, stop)` advances it, and waits."""
+    with _laid_out(problems, optimizer, seed, runs, population, iterations, room, lanes) as batch:
+        if batch.begins_at_hand:  # tells what follows without being traced
+            begun = batch.start()(*batch.arguments)
+            advanced = batch.go(begun)
+        else:
+            start, advanced = batch.compiled()
+            begun = start(*batch.arguments)
+
+        def go(progress: Progress, first: int, stop: int) -> Progress:
+            return jax.block_until_ready(advanced(*batch.arguments, progress, *_span(first, stop)))
+
+        yield go, go(begun, 1, 1)  # runs nothing
+
+
+class _Batch(NamedTuple):
+    """Programs of a batch and what they are called with."""
+
+    devices: Sequence[Any]
+    sizes: tuple[int, int, int]
+    programs: "_Programs"
+    arguments: tuple
+
+    @property
+    def begins_at_hand(self) -> bool:
+        """Whether the first of the two programs need not be compiled."""
+        return is_at_hand(self.devices, *self.arguments, part="start", sizes=self.sizes)
+
+    def start(self) -> Callable[..., Progress]:
+        """What begins it."""
+        fixed = {"part": "start", "sizes": self.sizes}
+        return at_hand(self.programs.start, self.devices, *self.arguments, **fixed)
+
+    def go(self, begun: Progress) -> Callable[..., Progress]:
+        """What advances what has begun. All that it is made for shows in its arguments."""
+        arguments = *self.arguments, begun, *_span(1, 1)
+        return at_hand(self.programs.go, self.devices, *arguments, part="go")
+
+    def compiled(self) -> tuple[Callable[..., Progress], Callable[..., Progress]]:
+        """Both, beside each other: XLA compiles one while the other is traced."""
+        wide = self.arguments[0].lower.dtype == np.float64
+        begun = self.programs.begun(*self.arguments)
+        with ThreadPoolExecutor(1) as beside:
+
+            def start():
+                with jax.enable_x64(wide):  # a switch of each thread
+                    return self.start()
+
+            first = beside.submit(start)
+            advanced = self.go(begun)
+            return first.result(), advanced
+
+
+@contextmanager
+def _laid_out(
+    problems: Problem,
+    optimizer: Optimizer,
+    seed: int,
+    runs: Sequence[int],
+    population: int,
+    iterations: int,
+    room: int,
+    lanes: int,
+) -> Iterator[_Batch]:
+    """A batch on its devices, in the width of its numbers."""
     dtype = problems.lower.dtype
     with jax.enable_x64(dtype == np.float64):
         wanted = max(lanes, len(runs))
@@ -135,16 +228,8 @@ def _launched(
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         sizes = population, iterations, room
-        placed, start, advance_all = _programs(tuple(devices), *sizes)
-        arguments = placed(problems, optimizer, keys)
-        begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
-        # All that it is made for shows in its arguments: runs of other lengths share it.
-        advanced = at_hand(advance_all, devices, *arguments, begun, *_span(1, 1), part="go")
-
-        def go(progress: Progress, first: int, stop: int) -> Progress:
-            return jax.block_until_ready(advanced(*arguments, progress, *_span(first, stop)))
-
-        yield go, go(begun, 1, 1)  # runs nothing
+        programs = _programs(tuple(devices), *sizes)
+        yield _Batch(devices, sizes, programs, programs.placed(problems, optimizer, keys))
 
 
 def _span(first: int, stop: int) -> tuple[Array, Array]:
@@ -152,13 +237,17 @@ def _span(first: int, stop: int) -> tuple[Array, Array]:
     return jnp.int32(first), jnp.int32(stop)
 
 
-@functools.lru_cache(maxsize=64)
-def _programs(devices: tuple, population: int, iterations: int, room: int):
-    """(placed, start, go): a way to place arguments, and entry points that are compiled once.
+class _Programs(NamedTuple):
+    """Entry points that are compiled once; JAX keys them by the shapes of their arguments."""
 
-    JAX keys them by the shapes of their arguments. Those that are not where a program wants them
-    would be taken there in every call.
-    """
+    placed: Callable[..., tuple]  # arguments where programs want them, not taken there every time
+    start: Any
+    go: Any
+    begun: Callable[..., Progress]  # kinds and places of what `start` gives
+
+
+@functools.lru_cache(maxsize=64)
+def _programs(devices: tuple, population: int, iterations: int, room: int) -> _Programs:
     mesh = Mesh(np.asarray(devices), ("runs",))
     per_run, everywhere = PartitionSpec("runs"), PartitionSpec()
     stacked = PartitionSpec(None, "runs")
@@ -182,11 +271,14 @@ def _programs(devices: tuple, population: int, iterations: int, room: int):
 
     shard = functools.partial(jax.shard_map, mesh=mesh, out_specs=stacked, check_vma=False)
     arguments = (everywhere, everywhere, per_run)
-    return (
-        placed,
-        jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE),
-        jax.jit(shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))),
-    )
+    first = jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE)
+
+    def begun(*arguments) -> Progress:
+        there = NamedSharding(mesh, stacked)
+        return jax.tree.map(lambda leaf: leaf.update(sharding=there), first.eval_shape(*arguments))
+
+    rest = shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))
+    return _Programs(placed, first, jax.jit(rest), begun)
 
 
 def _on_host(

@@ -15,6 +15,7 @@ import inspect
 import os
 import pickle
 import sys
+import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib.metadata import version
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import jax
+from jax._src import config
 from jax.experimental import serialize_executable
 from jax.tree_util import Partial
 
@@ -33,8 +35,6 @@ SUFFIX = ".program"
 
 _APART = {"xla_embed_ir_in_executable": False}
 """Stated though it is XLA's default: programs that JAX has kept otherwise are other ones."""
-
-_WORTH = "jax_persistent_cache_min_compile_time_secs"
 
 _SWITCHES = ("jax_threefry_partitionable", "jax_default_matmul_precision", "jax_debug_nans")
 """Of JAX, that change what a program computes. Whether it may use 64 bits its arguments tell."""
@@ -56,22 +56,45 @@ def at_hand(
     Returns:
         What is to be called with arguments like these: `program` itself where nothing is kept.
     """
+    found = _place(devices, arguments, fixed)
+    if found is None:
+        return program
+    file, place = found
+    with place.lock:  # who asks for what another thread compiles waits for it
+        if place.program is None:
+            try:
+                place.program = _made(file, program, devices, arguments)
+            except Exception:  # what cannot be compiled before it is called says itself why
+                return program
+        return place.program
+
+
+def is_at_hand(devices: Sequence[Any], *arguments: Any, **fixed: Any) -> bool:
+    """Whether `at_hand` compiles nothing: there is a program, or such ones are not kept."""
+    found = _place(devices, arguments, fixed)
+    return found is None or found[1].program is not None or found[0].exists()
+
+
+class _Place:
+    """Where a process holds a program that it has, or will have."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.program: Callable | None = None
+
+
+def _place(devices: Sequence[Any], arguments: tuple, fixed: dict) -> tuple[Path, _Place] | None:
+    """The file and the place of a program; None where none is kept, for such arguments at least."""
     folder = kept_in()
     if folder is None:
-        return program
+        return None
     leaves, tree = jax.tree.flatten(arguments)
     try:
         known = described((tree.unflatten(map(_kind_of, leaves)), fixed))
     except Exception:  # of other code, or of a class that holds nothing but arrays
-        return program
+        return None
     file = folder / f"{_digest(known, devices)}{SUFFIX}"
-    place = _place_of(file, tree)
-    if not place:
-        try:
-            place.append(_made(file, program, devices, arguments))
-        except Exception:  # what cannot be compiled before it is called says itself why
-            return program
-    return place[0]
+    return file, _place_of(file, tree)
 
 
 def kept_in() -> Path | None:
@@ -85,14 +108,14 @@ def kept_in() -> Path | None:
 
 
 @functools.lru_cache(maxsize=64)
-def _place_of(file: Path, tree: Any) -> list[Callable]:
-    """Where a process holds a program that it has, or will have.
+def _place_of(file: Path, tree: Any) -> _Place:
+    """The place of a program in this process.
 
     A module that is loaded anew has other functions of the same names, of which a program that
     was made for the earlier ones would know nothing.
     """
     del file, tree
-    return []
+    return _Place()
 
 
 def _made(file: Path, program: Any, devices: Sequence, arguments: tuple) -> Callable:
@@ -105,13 +128,12 @@ def _made(file: Path, program: Any, devices: Sequence, arguments: tuple) -> Call
 
 
 def _compiled_here(lowered: Any) -> Any:
-    """Compiled by this process, not found by JAX: XLA cannot write down what it has only read."""
-    worth = getattr(jax.config, _WORTH)
-    jax.config.update(_WORTH, float("inf"))
-    try:
+    """Compiled by this process, not found by JAX: XLA cannot write down what it has only read.
+
+    Of this thread alone JAX keeps nothing meanwhile, which its public configuration cannot say.
+    """
+    with config.persistent_cache_min_compile_time_secs(float("inf")):
         return lowered.compile(_APART)
-    finally:
-        jax.config.update(_WORTH, worth)
 
 
 def _loaded(file: Path, devices: Sequence, arguments: tuple) -> Callable:

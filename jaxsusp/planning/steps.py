@@ -10,7 +10,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from jaxsusp.freespace.rounding import rounded_ways
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import AnyOptimizer
-from jaxsusp.optim.batch import run_batch
+from jaxsusp.optim.batch import compile_ahead, run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.motion.drive import followed
@@ -95,24 +95,20 @@ def taut_ways(
         yield curve[1:-1]
 
 
-def plan_load(
+def load_problem(
     searched: Scenario,
     space: FreeSpace | None,
     settings: Settings,
     waypoints: int,
-    first: int,
-    known: Float[np.ndarray, "waypoints xyz"] | None = None,
     with_cables: bool = True,
-) -> Float[np.ndarray, "candidates dim"]:
-    """Step 2: waypoints that a population search found, refined, best first.
+) -> Problem:
+    """What step 2 searches: waypoints of the load, at a price on hard turns.
 
     Args:
         searched: the task, with the margins that the search keeps.
         space: where waypoints are kept, see `map_space`.
         settings: what searches, and for how long.
         waypoints: number m of them.
-        first: index of the first run.
-        known: waypoints that join the candidates, if they are as many.
         with_cables: whether contacts of cables and arms count, or the load's alone.
     """
     search = settings.search if space is not None else "box"
@@ -128,31 +124,43 @@ def plan_load(
         suspension = problem.fitness
         assert isinstance(suspension, Suspension)
         problem = problem.with_fitness(replace(suspension, with_cables=False))
-    extra = None
-    if known is not None and len(known) == waypoints:
-        extra = known.reshape(1, -1)
-    return minimise(problem, settings, first, extra)
+    return gently(problem, settings.price)
 
 
-def minimise(
+def prepare(problem: Problem, settings: Settings, first: int) -> None:
+    """Have what `plan_load` will run compiled beside what comes before it."""
+    assert settings.optimizer is not None
+    compile_ahead(*_batch(problem, settings, first))
+
+
+def _batch(problem: Problem, settings: Settings, first: int) -> tuple[Any, ...]:
+    runs = range(first, first + settings.runs)
+    sizes = settings.iterations, settings.population
+    return stack_problems([problem]), settings.optimizer, settings.seed, runs, *sizes
+
+
+def plan_load(
     problem: Problem,
     settings: Settings,
     first: int,
-    extra: Float[np.ndarray, "1 dim"] | None = None,
+    known: Float[np.ndarray, "1 dim"] | None = None,
 ) -> Float[np.ndarray, "candidates dim"]:
-    """Search and refine in float32, at a price on hard turns; the candidates in order of worth."""
+    """Step 2: what a population search found in float32, refined, best first.
+
+    Args:
+        problem: what is searched.
+        settings: what searches, and for how long.
+        first: index of the first run.
+        known: a candidate that joins those that are found.
+    """
     assert settings.optimizer is not None
     settings.told("searching")
-    problem = gently(problem, settings.price)
-    outcome = run_batch(
-        stack_problems([problem]), settings.optimizer, settings.seed,
-        range(first, first + settings.runs), settings.iterations, settings.population,
-    )  # fmt: skip
+    outcome = run_batch(*_batch(problem, settings, first))
     found, value = outcome.x[0], outcome.fitness[0]
-    if extra is not None:  # in place of the worst, so that no other program is needed
+    if known is not None:  # in place of the worst, so that no other program is needed
         found = found.copy()
-        found[value.argmax()] = extra[0]
-    if extra is not None or not settings.optimizer.thorough:
+        found[value.argmax()] = known[0]
+    if known is not None or not settings.optimizer.thorough:
         found, value = refine(problem, found, settings.seed)
     return found[np.argsort(value, kind="stable")]
 

@@ -24,15 +24,17 @@ from jaxsusp.planning.steps import (
     Candidate,
     Settings,
     checked,
+    load_problem,
     map_space,
-    minimise,
     plan_ends,
     plan_load,
     played,
+    prepare,
     taut_ways,
     verify,
 )
 from jaxsusp.planning.waypoints import sample_path
+from jaxsusp.problem.hardturns import gently
 from jaxsusp.scenario.scenario import Scenario
 
 ROUNDS = 2
@@ -87,8 +89,10 @@ def _given(
     if settings.optimizer is None:
         yield from verify(scenario, settings, ((way, None) for way in ways), TAUT)
         return
+    problem = load_problem(searched, space, settings, attempt.waypoints)
+    prepare(problem, settings, first)
     taut = _first_fine(checked(scenario, settings, (way, None), TAUT) for way in ways)
-    candidates = plan_load(searched, space, settings, attempt.waypoints, first)
+    candidates = plan_load(problem, settings, first)
     for found in verify(scenario, settings, ((x, None) for x in candidates)):
         yield found
         if found.feasible and taut and found.settings["fitness"] <= taut.settings["fitness"]:
@@ -134,7 +138,7 @@ def _joint(scenario: Scenario, settings: Settings, waypoints: int, first: int) -
     fitness = problem.fitness
     assert isinstance(fitness, JointFitness)
     candidates = []
-    for x in minimise(problem, settings, first):
+    for x in plan_load(gently(problem, settings.price), settings, first):
         with jax.enable_x64(True):
             inner, placed = fitness.split(np.asarray(x, np.float64))
             ends = np.asarray(decode(fitness.world.robots, jnp.asarray(placed)))
@@ -184,7 +188,10 @@ def _load_alone(
     """Steps 1 and 2 for ends that are known, with the margins that the real curve needs."""
     searched = with_margins(scenario)
     space = map_space(searched, settings)
-    return plan_load(searched, space, settings, waypoints, first, known, with_cables)
+    problem = load_problem(searched, space, settings, waypoints, with_cables)
+    if known is None or len(known) != waypoints:
+        return plan_load(problem, settings, first)
+    return plan_load(problem, settings, first, known.reshape(1, -1))
 
 
 def _first_good(tries: Iterator[Plan]) -> Plan:

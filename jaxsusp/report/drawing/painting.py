@@ -43,7 +43,8 @@ def paint_solid(
         ),
         autolim=False,
     )
-    faces.set_agg_filter(_fade(alpha))  # the body as a whole, where alpha would show overlaps
+    if alpha < 1:  # the body as a whole, where alpha would show overlaps
+        faces.set_agg_filter(_fade(alpha))
     outline = camera.project(solid.corners)
     outline = outline[ConvexHull(outline).vertices]
     edge = tuple(0.6 * np.array(to_rgb(color)))
@@ -157,6 +158,8 @@ def refine(curve: Curve, parts: int = 6) -> Float[np.ndarray, "refined xyz"]:
 def hidden(points: Curve, solids: list[Solid], camera: Camera) -> Bool[np.ndarray, " points"]:
     """Which points lie behind any of the bodies."""
     result = np.zeros(len(points), bool)
+    spread = camera.spread(points)
     for solid in solids:
-        result |= solid.hides(points, camera.towards)
+        if camera.overlap(spread, camera.spread(solid.corners)):
+            result |= solid.hides(points, camera.towards)
     return result

@@ -91,15 +91,31 @@ class Camera(NamedTuple):
         """World → picture (m, true to scale across the viewing direction)."""
         return points @ self.frame.T
 
+    def spread(self, points: Points) -> Float[np.ndarray, "ends=2 picture=2"]:
+        """Corners of what points take of the picture (m)."""
+        flat = self.project(points).reshape(-1, 2)
+        return np.stack([flat.min(axis=0), flat.max(axis=0)])
+
+    @staticmethod
+    def overlap(
+        one: Float[np.ndarray, "ends=2 picture=2"], other: Float[np.ndarray, "ends=2 picture=2"]
+    ) -> bool:
+        """Whether two bodies can hide parts of each other: rounding far away does not part them."""
+        touch = 1e-9 * (1 + np.abs(one).max())
+        return bool((one[0] <= other[1] + touch).all() and (other[0] <= one[1] + touch).all())
+
     def back_to_front(self, solids: list[Solid]) -> list[int]:
         """Indices of the bodies in the order in which to paint them."""
         depth = [solid.corners.mean(axis=0) @ self.towards for solid in solids]
         order = TopologicalSorter({i: set() for i in np.argsort(depth).tolist()})
         surfaces = list(map(_surface, solids))
+        spreads = [self.spread(solid.corners) for solid in solids]
         for i, back in enumerate(solids):
             for j, front in enumerate(solids):
+                if i == j or not self.overlap(spreads[i], spreads[j]):
+                    continue
                 # The second is for small bodies, which cover none of the points of a large one.
-                if i != j and (
+                if (
                     front.hides(surfaces[i], self.towards).any()
                     or back.hides(surfaces[j], -self.towards).any()
                 ):

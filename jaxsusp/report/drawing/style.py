@@ -8,7 +8,8 @@ import io
 import math
 import os
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -85,8 +86,25 @@ def picture(width: float, height: float) -> Picture:
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
     """Write a figure as PNG, atomically; the same figure gives the same bytes."""
-    with atomic_path(path) as scratch:
+    with atomic_path(path) as scratch, _laid_out(figure):
         figure.savefig(scratch, format="png", dpi=DPI, metadata={"Software": None})
+
+
+@contextmanager
+def _laid_out(figure: Figure) -> Iterator[None]:
+    """The figure with everything in its place: matplotlib draws twice what it has to lay out."""
+    engine, dpi = figure.get_layout_engine(), figure.dpi
+    if engine is None:
+        yield
+        return
+    figure.dpi = DPI
+    try:
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+        yield
+    finally:
+        figure.set_layout_engine(engine)
+        figure.dpi = dpi
 
 
 def picture_file(pixels: np.ndarray, path: str | os.PathLike[str]) -> None:
