@@ -6,7 +6,6 @@ the same program. A run's numbers do not depend on how many others share it.
 
 import functools
 import itertools
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -118,30 +117,27 @@ def _stops(iterations: int) -> list[int]:
     return stops.round().astype(int).tolist()
 
 
-def compile_ahead(
+def compile_batch(
     problems: Problem,
     optimizer: AnyOptimizer,
     seed: int,
     runs: Sequence[int],
     iterations: int,
     population: int,
+    room: int = 0,
+    lanes: int = 0,
 ) -> None:
-    """Begin to compile what `run_batch` takes for such arguments, and come back at once.
+    """Have what `run_batch` takes for such arguments at hand; threads can do so beside each other.
 
     `run_batch` waits for what is not finished. Where no compiled programs are kept (see
     `optim.programs`), or they are at hand, nothing is done.
     """
     if isinstance(optimizer, HostOptimizer) or kept_in() is None:
         return
-
-    def compiled() -> None:
-        with suppress(Exception):  # what is wrong shows in the search itself
-            sizes = population, iterations, iterations
-            with _laid_out(problems, optimizer, seed, runs, *sizes, 0) as batch:
-                if not batch.begins_at_hand:
-                    batch.compiled()
-
-    threading.Thread(target=compiled, name="compile ahead").start()
+    sizes = population, iterations, max(iterations, room)
+    with suppress(Exception), _laid_out(problems, optimizer, seed, runs, *sizes, lanes) as batch:
+        if not batch.begins_at_hand:  # what is wrong shows in the search itself
+            batch.compiled()
 
 
 @contextmanager

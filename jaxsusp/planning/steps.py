@@ -7,6 +7,7 @@
 5. `verify`: what was found, on the real curve, in continuous time and in simulation.
 """
 
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -23,7 +24,7 @@ from jaxsusp.freespace.rounding import rounded_ways
 from jaxsusp.freespace.space import FreeSpace
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import AnyOptimizer
-from jaxsusp.optim.batch import compile_ahead, run_batch
+from jaxsusp.optim.batch import compile_batch, run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.motion.drive import followed
@@ -130,7 +131,8 @@ def load_problem(
 def prepare(problem: Problem, settings: Settings, first: int) -> None:
     """Have what `plan_load` will run compiled beside what comes before it."""
     assert settings.optimizer is not None
-    compile_ahead(*_batch(problem, settings, first))
+    arguments = _batch(problem, settings, first)
+    threading.Thread(target=compile_batch, args=arguments, name="compiles ahead").start()
 
 
 def _batch(problem: Problem, settings: Settings, first: int) -> tuple[Any, ...]:
