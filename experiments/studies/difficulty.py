@@ -21,7 +21,7 @@ from experiments.studies.difficulty_figures import (
     sweeps,
 )
 from jaxsusp._files import write_text
-from jaxsusp.freespace.cells.passage import passage_width
+from jaxsusp.freespace.cells.passage import widest_way
 from jaxsusp.optim import devices
 from jaxsusp.report.comparison.gaps import clear_fitness, clear_runs, evaluations_to
 from jaxsusp.report.comparison.logistic import fitted, resampled, share_interval
@@ -55,10 +55,11 @@ class Settings(NamedTuple):
     base: Level = Level()
     obstacles: tuple[int, ...] = (6, 25, 50, 100, 200)
     robots: tuple[int, ...] = (4, 5, 6, 8)
-    passages: tuple[tuple[float, float], ...] = ((0.1, 0.2), (0.4, 0.8))
-    scenes: int = 6  # of a level, on which algorithms are compared …
-    planned: int = 1  # … and of these so many are planned as well: each shape compiles anew
-    fewer: tuple[tuple[int, int], ...] = ()  # (obstacles, scenes) where scenes take long to draw
+    passages: tuple[tuple[float, float], ...] = ((0.05, 0.1), (0.1, 0.2), (0.4, 0.8))
+    scenes: int = 8  # of a level, on which algorithms are compared …
+    planned: int = 1  # … and of these so many are planned as well, with the base's robots …
+    planned_up_to: int = 25  # … and up to so many obstacles: each shape compiles programs anew
+    fewer: tuple[tuple[int, int], ...] = ()  # (obstacles, scenes) of slow draws
     algorithms: tuple[str, ...] = ("pso", "ga", "dbo", "sdbo")
     runs: int = 10
     iterations: int = 200
@@ -83,10 +84,15 @@ class Settings(NamedTuple):
             for seed in range(min(self.scenes, fewer.get(level.obstacles, self.scenes)))
         ]
 
+    def plans(self, level: Level, seed: int) -> bool:
+        """Whether a scene is planned as well."""
+        few = level.robots == self.base.robots and level.obstacles <= self.planned_up_to
+        return few and seed < self.planned
+
 
 FULL = Settings()
 MINIATURE = Settings(
-    Level(6), (), (), ((0.4, 0.8),), scenes=2, algorithms=("pso",), runs=2, iterations=20
+    Level(6), (), (), ((0.1, 0.2),), scenes=2, algorithms=("pso",), runs=2, iterations=20
 )
 
 
@@ -99,8 +105,8 @@ def make(settings: Settings, work: Work) -> None:
         search="box", output=work.folder / "comparison", resume=True,
     )  # fmt: skip
     plans = [
-        planned(task, work) if seed < settings.planned else _UNPLANNED
-        for (_, seed), task in zip(settings.draws(), tasks, strict=True)
+        planned(task, work) if settings.plans(*draw) else _UNPLANNED
+        for draw, task in zip(settings.draws(), tasks, strict=True)
     ]
     frame = pd.DataFrame([row | plan for row, plan in zip(scenes, plans, strict=True)])
     work.artefacts.keep("difficulty", beside(frame.drop(columns="file"), ds), settings)
@@ -138,7 +144,7 @@ def drawn_scene(asked: tuple[Level, int, Path]) -> dict:
         seed, level.obstacles, robots=level.robots, passage=(level.narrowest, level.widest)
     )
     row = {
-        "scenario": task.name, **level._asdict(), "seed": seed, "width": passage_width(task),
+        "scenario": task.name, **level._asdict(), "seed": seed, "width": widest_way(task).width,
         "seconds_draw": time.perf_counter() - clock, "file": str(folder / f"{task.name}.toml"),
     }  # fmt: skip
     write_text(row["file"], task.to_toml())

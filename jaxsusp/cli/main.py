@@ -1,9 +1,12 @@
 """The entry point."""
 
 import io
+import os
 import sys
+import threading
 
 from jaxsusp.cli.interrupts import heard
+from jaxsusp.planning.choices import AHEAD
 
 
 def main() -> None:
@@ -14,4 +17,16 @@ def main() -> None:
     with heard():
         from jaxsusp.cli.run import run  # loading them can be interrupted too
 
-        run()
+        try:
+            run()
+        except SystemExit as end:
+            _leave(end)
+            raise
+
+
+def _leave(end: SystemExit) -> None:
+    """Wait for no program that is being compiled ahead: nobody needs it any more."""
+    if any(thread.name == AHEAD for thread in threading.enumerate()):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(end.code if isinstance(end.code, int) else end.code is not None)

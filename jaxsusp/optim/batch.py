@@ -8,9 +8,7 @@ import functools
 import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,7 +20,7 @@ from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, Optimizer
 from jaxsusp.optim.host import Evaluate, HostBatch, run_on_host, time_on_host
 from jaxsusp.optim.loop import Progress, advance, begin, run_key
 from jaxsusp.optim.outcome import Outcome
-from jaxsusp.optim.programs import at_hand, is_at_hand, kept_in
+from jaxsusp.optim.programs import at_hand, kept_in
 from jaxsusp.problem.problem import Problem
 
 ONCE = {"xla_backend_optimization_level": 1}
@@ -124,20 +122,18 @@ def compile_batch(
     runs: Sequence[int],
     iterations: int,
     population: int,
-    room: int = 0,
-    lanes: int = 0,
 ) -> None:
-    """Have what `run_batch` takes for such arguments at hand; threads can do so beside each other.
+    """Have what `run_batch` takes for such arguments at hand: a thread can, beside other work.
 
     `run_batch` waits for what is not finished. Where no compiled programs are kept (see
-    `optim.programs`), or they are at hand, nothing is done.
+    `optim.programs`) nothing is done. Switches of JAX that a caller has set for his thread alone
+    do not reach another; what is compiled there is then of no use, and does no harm.
     """
     if isinstance(optimizer, HostOptimizer) or kept_in() is None:
         return
-    sizes = population, iterations, max(iterations, room)
-    with suppress(Exception), _laid_out(problems, optimizer, seed, runs, *sizes, lanes) as batch:
-        if not batch.begins_at_hand:  # what is wrong shows in the search itself
-            batch.compiled()
+    sizes = population, iterations, iterations
+    with suppress(Exception), _launched(problems, optimizer, seed, runs, *sizes, 0):
+        pass  # what is wrong shows in the search itself
 
 
 @contextmanager
@@ -152,70 +148,6 @@ def _launched(
     lanes: int,
 ) -> Iterator[tuple[Callable[[Progress, int, int], Progress], Progress]]:
     """Compile a batch and begin it: `go(progress, first, stop)` advances it, and waits."""
-    with _laid_out(problems, optimizer, seed, runs, population, iterations, room, lanes) as batch:
-        if batch.begins_at_hand:  # tells what follows without being traced
-            begun = batch.start()(*batch.arguments)
-            advanced = batch.go(begun)
-        else:
-            start, advanced = batch.compiled()
-            begun = start(*batch.arguments)
-
-        def go(progress: Progress, first: int, stop: int) -> Progress:
-            return jax.block_until_ready(advanced(*batch.arguments, progress, *_span(first, stop)))
-
-        yield go, go(begun, 1, 1)  # runs nothing
-
-
-class _Batch(NamedTuple):
-    """Programs of a batch and what they are called with."""
-
-    devices: Sequence[Any]
-    sizes: tuple[int, int, int]
-    programs: "_Programs"
-    arguments: tuple
-
-    @property
-    def begins_at_hand(self) -> bool:
-        """Whether the first of the two programs need not be compiled."""
-        return is_at_hand(self.devices, *self.arguments, part="start", sizes=self.sizes)
-
-    def start(self) -> Callable[..., Progress]:
-        """What begins it."""
-        fixed = {"part": "start", "sizes": self.sizes}
-        return at_hand(self.programs.start, self.devices, *self.arguments, **fixed)
-
-    def go(self, begun: Progress) -> Callable[..., Progress]:
-        """What advances what has begun. All that it is made for shows in its arguments."""
-        arguments = *self.arguments, begun, *_span(1, 1)
-        return at_hand(self.programs.go, self.devices, *arguments, part="go")
-
-    def compiled(self) -> tuple[Callable[..., Progress], Callable[..., Progress]]:
-        """Both, beside each other: XLA compiles one while the other is traced."""
-        wide = self.arguments[0].lower.dtype == np.float64
-        begun = self.programs.begun(*self.arguments)
-        with ThreadPoolExecutor(1) as beside:
-
-            def start():
-                with jax.enable_x64(wide):  # a switch of each thread
-                    return self.start()
-
-            first = beside.submit(start)
-            advanced = self.go(begun)
-            return first.result(), advanced
-
-
-@contextmanager
-def _laid_out(
-    problems: Problem,
-    optimizer: Optimizer,
-    seed: int,
-    runs: Sequence[int],
-    population: int,
-    iterations: int,
-    room: int,
-    lanes: int,
-) -> Iterator[_Batch]:
-    """A batch on its devices, in the width of its numbers."""
     dtype = problems.lower.dtype
     with jax.enable_x64(dtype == np.float64):
         wanted = max(lanes, len(runs))
@@ -224,8 +156,16 @@ def _laid_out(
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         sizes = population, iterations, room
-        programs = _programs(tuple(devices), *sizes)
-        yield _Batch(devices, sizes, programs, programs.placed(problems, optimizer, keys))
+        placed, start, advance_all = _programs(tuple(devices), *sizes)
+        arguments = placed(problems, optimizer, keys)
+        begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
+        # All that it is made for shows in its arguments: runs of other lengths share it.
+        advanced = at_hand(advance_all, devices, *arguments, begun, *_span(1, 1), part="go")
+
+        def go(progress: Progress, first: int, stop: int) -> Progress:
+            return jax.block_until_ready(advanced(*arguments, progress, *_span(first, stop)))
+
+        yield go, go(begun, 1, 1)  # runs nothing
 
 
 def _span(first: int, stop: int) -> tuple[Array, Array]:
@@ -233,17 +173,13 @@ def _span(first: int, stop: int) -> tuple[Array, Array]:
     return jnp.int32(first), jnp.int32(stop)
 
 
-class _Programs(NamedTuple):
-    """Entry points that are compiled once; JAX keys them by the shapes of their arguments."""
-
-    placed: Callable[..., tuple]  # arguments where programs want them, not taken there every time
-    start: Any
-    go: Any
-    begun: Callable[..., Progress]  # kinds and places of what `start` gives
-
-
 @functools.lru_cache(maxsize=64)
-def _programs(devices: tuple, population: int, iterations: int, room: int) -> _Programs:
+def _programs(devices: tuple, population: int, iterations: int, room: int):
+    """(placed, start, go): a way to place arguments, and entry points that are compiled once.
+
+    JAX keys them by the shapes of their arguments. Those that are not where a program wants them
+    would be taken there in every call.
+    """
     mesh = Mesh(np.asarray(devices), ("runs",))
     per_run, everywhere = PartitionSpec("runs"), PartitionSpec()
     stacked = PartitionSpec(None, "runs")
@@ -267,14 +203,11 @@ def _programs(devices: tuple, population: int, iterations: int, room: int) -> _P
 
     shard = functools.partial(jax.shard_map, mesh=mesh, out_specs=stacked, check_vma=False)
     arguments = (everywhere, everywhere, per_run)
-    first = jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE)
-
-    def begun(*arguments) -> Progress:
-        there = NamedSharding(mesh, stacked)
-        return jax.tree.map(lambda leaf: leaf.update(sharding=there), first.eval_shape(*arguments))
-
-    rest = shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))
-    return _Programs(placed, first, jax.jit(rest), begun)
+    return (
+        placed,
+        jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE),
+        jax.jit(shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))),
+    )
 
 
 def _on_host(

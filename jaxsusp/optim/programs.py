@@ -56,10 +56,16 @@ def at_hand(
     Returns:
         What is to be called with arguments like these: `program` itself where nothing is kept.
     """
-    found = _place(devices, arguments, fixed)
-    if found is None:
+    folder = kept_in()
+    if folder is None:
         return program
-    file, place = found
+    leaves, tree = jax.tree.flatten(arguments)
+    try:
+        known = described((tree.unflatten(map(_kind_of, leaves)), fixed))
+    except Exception:  # of other code, or of a class that holds nothing but arrays
+        return program
+    file = folder / f"{_digest(known, devices)}{SUFFIX}"
+    place = _place_of(file, tree)
     with place.lock:  # who asks for what another thread compiles waits for it
         if place.program is None:
             try:
@@ -67,34 +73,6 @@ def at_hand(
             except Exception:  # what cannot be compiled before it is called says itself why
                 return program
         return place.program
-
-
-def is_at_hand(devices: Sequence[Any], *arguments: Any, **fixed: Any) -> bool:
-    """Whether `at_hand` compiles nothing: there is a program, or such ones are not kept."""
-    found = _place(devices, arguments, fixed)
-    return found is None or found[1].program is not None or found[0].exists()
-
-
-class _Place:
-    """Where a process holds a program that it has, or will have."""
-
-    def __init__(self) -> None:
-        self.lock = threading.Lock()
-        self.program: Callable | None = None
-
-
-def _place(devices: Sequence[Any], arguments: tuple, fixed: dict) -> tuple[Path, _Place] | None:
-    """The file and the place of a program; None where none is kept, for such arguments at least."""
-    folder = kept_in()
-    if folder is None:
-        return None
-    leaves, tree = jax.tree.flatten(arguments)
-    try:
-        known = described((tree.unflatten(map(_kind_of, leaves)), fixed))
-    except Exception:  # of other code, or of a class that holds nothing but arrays
-        return None
-    file = folder / f"{_digest(known, devices)}{SUFFIX}"
-    return file, _place_of(file, tree)
 
 
 def kept_in() -> Path | None:
@@ -105,6 +83,14 @@ def kept_in() -> Path | None:
         return None
     wanted = config.jax_enable_compilation_cache and not config.jax_disable_jit
     return Path(folder) if wanted else None
+
+
+class _Place:
+    """Where a process holds a program that it has, or will have."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.program: Callable | None = None
 
 
 @functools.lru_cache(maxsize=64)

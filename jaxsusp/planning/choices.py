@@ -12,3 +12,6 @@ COORDINATIONS = ("alternation", "joint")
 
 SHORTEST = "shortest"
 """The duration of a motion that is as fast as its limits allow; beside a number of seconds."""
+
+AHEAD = "jaxsusp compiles ahead"
+"""The name of the thread that does while other work is done; who leaves does not wait for it."""

@@ -26,6 +26,7 @@ from jaxsusp.mechanics.drives import moving
 from jaxsusp.optim.base import AnyOptimizer
 from jaxsusp.optim.batch import compile_batch, run_batch
 from jaxsusp.optim.refine import refine
+from jaxsusp.planning.choices import AHEAD
 from jaxsusp.planning.margins import MARGIN, with_margins
 from jaxsusp.planning.motion.drive import followed
 from jaxsusp.planning.motion.wanted import Wanted
@@ -132,7 +133,7 @@ def prepare(problem: Problem, settings: Settings, first: int) -> None:
     """Have what `plan_load` will run compiled beside what comes before it."""
     assert settings.optimizer is not None
     arguments = _batch(problem, settings, first)
-    threading.Thread(target=compile_batch, args=arguments, name="compiles ahead").start()
+    threading.Thread(target=compile_batch, args=arguments, name=AHEAD).start()
 
 
 def _batch(problem: Problem, settings: Settings, first: int) -> tuple[Any, ...]:

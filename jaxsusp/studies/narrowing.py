@@ -1,28 +1,61 @@
-"""Scenes that are as narrow as asked, between their ends: obstacles grow until they are."""
+"""Scenes that are as narrow as asked, between their ends: a wall across the way with one gap."""
 
 from collections.abc import Callable
-from itertools import takewhile
 
 import numpy as np
 from pydantic import ValidationError
 
 from jaxsusp.errors import InputError
 from jaxsusp.freespace.cells.forbidden import forbidden_of
-from jaxsusp.freespace.cells.passage import passage_width
-from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
+from jaxsusp.freespace.cells.passage import widest_way
+from jaxsusp.freespace.polyhedra import Points
+from jaxsusp.scenario.models import Box, Obstacle
 from jaxsusp.scenario.scenario import Scenario
 
-LARGEST = 10.0
-"""Times as large as it was drawn an obstacle may become."""
+POSTS = 2
+"""Obstacles that the wall consists of, one on either side of its gap; a scene's first ones."""
 
 ENDS = 0.75
 """Room of start and goal over the greatest width asked for; half of it would be as narrow."""
 
 HEADROOM = 0.2
-"""m between the higher end of the task and the top of the workspace: no way above everything."""
+"""m between the higher end of the task and the top of the workspace, and of the wall."""
 
-_STEPS = np.geomspace(1.0, LARGEST, 9)[1:]  # sizes at which it is seen whether the ends allow it
-_ROUNDS = 6  # of halving the range of sizes
+_BESIDE = (0.6, 1.5)  # m from the straight line to the middle of the gap
+_THICK = (0.2, 0.6)  # m
+_ROUNDS = 6  # of widening the gap by what is missing
+
+
+def wall(random: np.random.Generator, frame: Scenario, width: float, wide: float) -> list[Obstacle]:
+    """Two upright boxes about the middle between start and goal, across the whole workspace.
+
+    Args:
+        random: what draws where the wall stands, how thick it is, and where its gap is.
+        frame: the scene, with the top of its workspace `HEADROOM` above its ends.
+        width: about what the gap is to leave the load (m).
+        wide: share of the benchmark's distances that the load goes.
+    """
+    start, goal = np.array(frame.task.start), np.array(frame.task.goal)
+    across = np.array([start[1] - goal[1], goal[0] - start[0]])
+    across /= np.linalg.norm(across)
+    beside = wide * random.uniform(*_BESIDE) * random.choice([-1, 1])
+    middle = (start + random.uniform(0.4, 0.6) * (goal - start))[:2] + beside * across
+    thick, top = wide * random.uniform(*_THICK), frame.workspace.upper[2]
+    lower, upper = np.array(frame.workspace.lower), np.array(frame.workspace.upper)
+    long = float(np.linalg.norm((upper - lower)[:2]))  # beyond the workspace from anywhere in it
+    gap = 2 * (frame.payload.radius + frame.limits.clearance) + width
+    posts = []
+    for number, side in enumerate((-1, 1), 1):
+        x, y = middle + side * (gap + long) / 2 * across
+        posts.append(
+            Box(
+                name=f"wall {number}",
+                center=(round(float(x), 3), round(float(y), 3), round(top / 2, 3)),
+                size=(round(long, 3), round(thick, 3), top),
+                yaw_deg=round(float(np.rad2deg(np.arctan2(across[1], across[0]))), 1),
+            )
+        )
+    return posts
 
 
 def leaving(scenario: Scenario, room: float) -> Callable[[Obstacle], bool]:
@@ -38,76 +71,46 @@ def leaving(scenario: Scenario, room: float) -> Callable[[Obstacle], bool]:
     return leaves
 
 
-def narrowed(scenario: Scenario, passage: tuple[float, float]) -> Scenario | None:
-    """The scene with all obstacles grown alike, each as far as start and goal allow it to.
+def narrowed(
+    scenario: Scenario, passage: tuple[float, float]
+) -> tuple[Scenario, tuple[Points, Points]] | None:
+    """The scene with the gap of its wall as wide as the passage is to be, and ways through it.
 
-    The widest way narrows steadily as obstacles grow, so that halving finds a width in the range.
     What is narrow lies between start and goal, which have more room (see `ENDS`): a width that
     one of them has because an obstacle was drawn beside it makes no task harder.
 
     Args:
-        scenario: what was drawn, with that room at its ends (see `leaving`).
+        scenario: what was drawn, its first obstacles a wall.
         passage: least and greatest width (m), see `jaxsusp.passage`.
 
     Returns:
-        The scene, or None where no size that was tried is in the range: most often there is a way
-        around everything.
+        Both, or None where the gap does not decide: what else stands there leaves less.
     """
-    leaves = leaving(scenario, ENDS * passage[1])
-    most = [_most(obstacle, leaves) for obstacle in scenario.obstacles]
-    small, large = 1.0, LARGEST
-    for factor in (large, small, *[None] * _ROUNDS):
-        factor = (small * large) ** 0.5 if factor is None else factor
-        grown = _grown(scenario, np.minimum(factor, most))
-        width = passage_width(grown)
-        if passage[0] <= width <= passage[1]:
-            return grown
-        if width > passage[1]:
-            small = factor
-        else:
-            large = factor
-        if small >= large:  # too wide at most, or too narrow as drawn
+    wanted = sum(passage) / 2
+    for _ in range(_ROUNDS):
+        try:
+            width, ways = widest_way(scenario)
+        except InputError:
             return None
+        if passage[0] <= width <= passage[1]:
+            return scenario, ways
+        scenario = _opened(scenario, wanted - width)
     return None
 
 
-def _most(obstacle: Obstacle, leaves: Callable[[Obstacle], bool]) -> float:
-    """Times as large as one may become."""
-    return max((1.0, *takewhile(lambda factor: leaves(larger(obstacle, factor)), _STEPS)))
-
-
-def _grown(scenario: Scenario, factors: np.ndarray) -> Scenario:
-    sizes = zip(scenario.obstacles, factors.tolist(), strict=True)
-    return _holding(scenario, [larger(obstacle, factor) for obstacle, factor in sizes])
+def _opened(scenario: Scenario, more: float) -> Scenario:
+    """The posts of the wall moved apart (m), or towards each other."""
+    one, other = scenario.obstacles[:POSTS]
+    apart = np.subtract(other.center, one.center)
+    step = more / 2 * apart / np.linalg.norm(apart)
+    moved = [
+        post.model_copy(update={"center": tuple(np.round(post.center + move, 3).tolist())})
+        for post, move in ((one, -step), (other, step))
+    ]
+    return _holding(scenario, [*moved, *scenario.obstacles[POSTS:]])
 
 
 def _holding(scenario: Scenario, obstacles: list[Obstacle]) -> Scenario:
     """The scene with other obstacles."""
     rows = [obstacle.model_dump() for obstacle in obstacles]
     return Scenario.model_validate(scenario.model_dump() | {"obstacles": rows})
-
-
-def larger(obstacle: Obstacle, factor: float) -> Obstacle:
-    """The obstacle, so many times as large about its centre, but not into the ground."""
-    match obstacle:
-        case Sphere(radius=radius):
-            return obstacle.model_copy(update={"radius": round(factor * radius, 3)})
-        case Box(size=(width, depth, height)):
-            center, height = _raised(obstacle.center, height, factor)
-            size = (round(factor * width, 3), round(factor * depth, 3), height)
-            return obstacle.model_copy(update={"center": center, "size": size})
-        case Cylinder(radius=radius, height=height):
-            center, height = _raised(obstacle.center, height, factor)
-            changed = {"center": center, "radius": round(factor * radius, 3), "height": height}
-            return obstacle.model_copy(update=changed)
-    return obstacle
-
-
-def _raised(
-    center: tuple[float, float, float], height: float, factor: float
-) -> tuple[tuple[float, float, float], float]:
-    """Centre and height (m) of what grows upwards, and downwards no further than to the ground."""
-    x, y, z = center
-    bottom = min(z - height / 2, max(0.0, z - factor * height / 2))
-    top = z + factor * height / 2
-    return (x, y, round((bottom + top) / 2, 3)), round(top - bottom, 3)

@@ -1,7 +1,7 @@
 """Fresh planning tasks of the benchmark's kind: blocked, and proved to be solvable."""
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import jax
@@ -21,7 +21,7 @@ from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
 from jaxsusp.scenario.ownunits import UNCHANGED
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world
-from jaxsusp.studies.narrowing import ENDS, HEADROOM, leaving, narrowed
+from jaxsusp.studies.narrowing import ENDS, HEADROOM, POSTS, leaving, narrowed, wall
 from jaxsusp.studies.rigs import MOST_ROBOTS, RIGS, benchmark_rig, drawn_kind, drawn_rig, elsewhere
 from jaxsusp.vec3 import Vec3
 
@@ -62,8 +62,8 @@ def random_scenario(
     attachments, the size (1:20 to 20:1), the mass, and the place (to 5000 km away).
 
     The straight line from start to goal is blocked. That the task can be solved is proved: a route
-    through convex regions of the free space exists, and a trajectory along it has no collision
-    (n_p = 0) and no violated limit (n_g = 0).
+    through convex regions of the free space exists, or the widest way where a passage is asked
+    for, and a trajectory along it has no collision (n_p = 0) and no violated limit (n_g = 0).
 
     Args:
         seed: the same seed and number give the same scene.
@@ -74,8 +74,8 @@ def random_scenario(
         passage: least and greatest width of the narrowest place of the widest way, see
             `jaxsusp.passage` (m; of "any" in its own units); default whatever it comes to, which
             is most often what an obstacle beside start or goal leaves. Where it is given, the
-            place lies between them: the top of the workspace comes down to the ends, and
-            obstacles grow, until the way is as narrow.
+            first two obstacles are a wall between them with a gap of that width, and the top of
+            the workspace comes down to the wall's.
 
     Raises:
         InputError: bad numbers, an unknown rig, or no such scene within 60 attempts, 600 where a
@@ -86,10 +86,12 @@ def random_scenario(
     require_known("rig", rig, RIGS)
     if robots is not None:
         require_count("robots", robots, least=3, most=MOST_ROBOTS)
-    require(
-        passage is None or _is_range(passage),
-        f"passage = {passage}: give a least width of at least 0 m and a greatest above it",
-    )
+    if passage is not None:
+        passage = _range_of(passage)
+        require(
+            obstacles >= POSTS,
+            f"obstacles = {obstacles}: a passage is the gap of a wall of {POSTS}; give more",
+        )
     kind = drawn_kind(np.random.default_rng([seed, obstacles]), robots) if rig == "any" else None
     name, attempts = _name(seed, obstacles, rig, robots, passage), ATTEMPTS
     if passage is not None:
@@ -97,13 +99,14 @@ def random_scenario(
     for attempt in range(attempts):
         random = np.random.default_rng([seed, obstacles, attempt])
         empty, frame = drawn_rig(random, kind) if kind else (benchmark_rig(robots), UNCHANGED)
-        scenario = _draw(random, name, obstacles, empty, passage and ENDS * passage[1])
+        scenario = _draw(random, name, obstacles, empty, passage)
         if scenario is None or not blocked(scenario):
             continue
-        if passage is not None:
-            scenario = narrowed(scenario, passage)
-        if scenario is not None and solvable(scenario):
-            return elsewhere(scenario, frame)
+        if passage is None:
+            if solvable(scenario):
+                return elsewhere(scenario, frame)
+        elif (found := narrowed(scenario, passage)) and passable(*found):
+            return elsewhere(found[0], frame)
     wide = "" if passage is None else f" {passage[0]:g} to {passage[1]:g} m wide"
     raise InputError(
         f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene{wide} in "
@@ -155,13 +158,23 @@ def _name(
     return name if passage is None else f"{name}-passage-{passage[0]:g}-{passage[1]:g}"
 
 
-def _is_range(passage: object) -> bool:
-    """Whether it is two numbers, the first at least 0 and the second greater."""
-    if not isinstance(passage, tuple | list) or len(passage) != 2:
-        return False
-    if any(isinstance(each, bool) or not isinstance(each, int | float) for each in passage):
-        return False
-    return bool(0 <= passage[0] < passage[1])
+def _range_of(passage: Any) -> tuple[float, float]:
+    """The range of widths that is asked for.
+
+    Raises:
+        InputError: not two numbers, or not those of a range.
+    """
+    try:
+        low, high = (float(each) for each in passage if not isinstance(each, str | bool))
+    except (TypeError, ValueError):
+        raise InputError(
+            f"passage = {passage!r}: give two numbers in m, as passage = (0.2, 0.4)"
+        ) from None
+    require(
+        0 <= low < high < np.inf,
+        f"passage = {passage}: give a least width of at least 0 m and a greatest above it",
+    )
+    return low, high
 
 
 def blocked(scenario: Scenario) -> bool:
@@ -183,9 +196,17 @@ def solvable(scenario: Scenario) -> bool:
         return False
     if not space.connected:
         return False
-    short, roomy = space.polyline, space.centerline
-    ways = (short + share * (roomy - short) for share in (0.1, 0.3, 0.6, 1.0))
-    return any(_faults(scenario, way) == (0, 0) for way in ways)
+    return passable(scenario, (space.polyline, space.centerline))
+
+
+def passable(scenario: Scenario, ways: tuple[Points, Points]) -> bool:
+    """Whether a way between two of as many corners is without collision and violation."""
+    return any(_faults(scenario, way) == (0, 0) for way in _between_ways(*ways))
+
+
+def _between_ways(short: Points, roomy: Points) -> Iterator[Points]:
+    """The nearer to the second the more room there is, and the higher tensions may be."""
+    return (short + share * (roomy - short) for share in (0.1, 0.3, 0.6, 1.0))
 
 
 def _faults(scenario: Scenario, polyline: Points) -> tuple[int, int]:
@@ -211,16 +232,18 @@ def _sampled(polyline: Points) -> Points:
 
 
 def _draw(
-    random: np.random.Generator, name: str, count: int, empty: dict[str, Any], room: float | None
+    random: np.random.Generator,
+    name: str,
+    count: int,
+    empty: dict[str, Any],
+    passage: tuple[float, float] | None,
 ) -> Scenario | None:
-    """A scene whose obstacles leave start and goal clear; None where that did not work out.
-
-    Where room (m) at the ends is asked for, the workspace has no more height than they need.
-    """
+    """A scene whose obstacles leave start and goal clear; None where that did not work out."""
     empty = empty | {"name": name, "obstacles": []}
-    start, goal = _ends_of_task(random, MOVED if moving(empty["drive"]) else 1.0)
+    wide = MOVED if moving(empty["drive"]) else 1.0
+    start, goal = _ends_of_task(random, wide)
     empty["task"] |= {"start": start.tolist(), "goal": goal.tolist()}
-    if room is not None:
+    if passage is not None:
         x, y, _ = empty["workspace"]["upper"]
         top = round(float(max(start[2], goal[2])) + HEADROOM, 3)
         empty["workspace"] = empty["workspace"] | {"upper": [x, y, top]}
@@ -228,7 +251,15 @@ def _draw(
         frame = Scenario.model_validate(empty)
     except ValidationError:
         return None
-    obstacles = _place_obstacles(random, frame, count, room)
+    if passage is None:
+        obstacles = _place_obstacles(random, frame, count)
+    else:
+        leaves = leaving(frame, ENDS * passage[1])
+        posts = wall(random, frame, sum(passage) / 2, wide)
+        if not all(map(leaves, posts)):
+            return None
+        others = _place_obstacles(random, frame, count - POSTS, leaves)
+        obstacles = None if others is None else [*posts, *others]
     if obstacles is None:
         return None
     try:
@@ -252,11 +283,13 @@ def _ends_of_task(random: np.random.Generator, wide: float) -> tuple[Point, Poin
 
 
 def _place_obstacles(
-    random: np.random.Generator, frame: Scenario, count: int, room: float | None
+    random: np.random.Generator,
+    frame: Scenario,
+    count: int,
+    leaves: Callable[[Obstacle], bool] = lambda obstacle: True,
 ) -> list[Obstacle] | None:
     """Obstacles one by one: too big a one is drawn again, smaller, and so are those after it."""
     domain = domain_of(frame)
-    leaves = leaving(frame, room) if room is not None else lambda _: True
     frame = frame.model_copy(update={"drive": "cable"})  # moving cables begin clear as well
     cloud = random.uniform(frame.workspace.lower, frame.workspace.upper, (_CLOUD, 3))
     cloud = cloud[domain.excess(cloud) < 0]

@@ -151,7 +151,7 @@ def _plan_one(
     configured(device)
     stderr = Console(stderr=True)
     status = stderr.status("Planning …") if stderr.is_terminal else nullcontext()
-    task, seen = _plannable(scenario), set()
+    task, seen, found = _plannable(scenario), set(), None
     with status as shown:
 
         def told(event: "Event") -> None:
@@ -169,7 +169,9 @@ def _plan_one(
             note(str(error))
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
-            interrupted("no plan was finished; nothing was written.")
+            if found is None:
+                interrupted("no plan was finished; nothing was written.")
+            interrupted(f"the plan was finished; what is whole of its files is in {output}.")
     sizes = settings["waypoints"], settings["samples"]
     same = settings["duration"] in (None, SHORTEST, task.task.duration)  # f4 is measured in it
     best = best_known(task, *sizes) if same and settings["ends"] == "given" else None

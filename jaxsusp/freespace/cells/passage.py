@@ -74,7 +74,7 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
     if not len(forbidden):
         return Passage(np.inf, 0.0, asked.task.start, "", (), only)
     errand = Errand.of(scenario)
-    place, room, most = narrowest_place(forbidden, errand)
+    place, room, _, most = narrowest_place(forbidden, errand)
     off = np.linalg.norm(np.array(errand[2:]) - place, axis=1)
     end = ("task.start", "task.goal")[off.argmin()] if off.min() < 1e-6 else ""
     x, y, z = asked.units.place(place).tolist()
@@ -83,13 +83,19 @@ def passage(scenario: Scenario | Named, space: FreeSpace | None = None) -> Passa
     return Passage(width, error, (x, y, z), end, beside(forbidden, place), only)
 
 
-def passage_width(scenario: Scenario) -> float:
-    """The width (m) that a way is known to have, without any free space; 0 where none is known."""
-    forbidden = forbidden_of(scenario.own)
-    if not len(forbidden):
-        return np.inf
-    room = narrowest_place(forbidden, Errand.of(scenario.own)).room
-    return scenario.units.number(2 * max(room, 0.0), "m")
+class Widest(NamedTuple):
+    """The widest way that is found without any free space."""
+
+    width: float  # m that it is known to have; 0: no way is known
+    ways: tuple[Points, Points]  # m, polylines from start to goal, the second with more room
+
+
+def widest_way(scenario: Scenario) -> Widest:
+    """As `passage`, for a task with one obstacle at least."""
+    found = narrowest_place(forbidden_of(scenario.own), Errand.of(scenario.own))
+    width = scenario.units.number(2 * max(found.room, 0.0), "m")
+    one, other = map(scenario.units.place, found.ways)
+    return Widest(width, (one, other))
 
 
 class Narrowest(NamedTuple):
@@ -97,6 +103,7 @@ class Narrowest(NamedTuple):
 
     place: Point  # m
     room: float  # m that all of the way has; if above zero, the way exists
+    ways: tuple[Points, Points]  # m, polylines: the way by cells, and moved to where is most room
     most: float  # m; every way has no more somewhere
 
 
@@ -116,9 +123,9 @@ def narrowest_place(forbidden: Forbidden, errand: Errand) -> Narrowest:
     best = widest(rooms, first, last)
     cells = shortest(rooms >= best, size, first, last)
     line = np.concatenate([task[:1], lower + (cells[1:-1] + 0.5) * size, task[1:]])
-    place, room = _roomiest(forbidden, line, float(np.linalg.norm(size)) / 4)
+    place, room, ways = _roomiest(forbidden, line, float(np.linalg.norm(size)) / 4, (lower, upper))
     most = min(best + float(np.linalg.norm(size)) / 2, float(ends.min()))
-    return Narrowest(place, room, most + forbidden.rounding(lower, upper))
+    return Narrowest(place, room, ways, most + forbidden.rounding(lower, upper))
 
 
 def _rooms(
@@ -146,8 +153,10 @@ def _rooms(
         count, along = 2 * count, 2 * along
 
 
-def _roomiest(forbidden: Forbidden, line: Points, spacing: float) -> tuple[Point, float]:
-    """The narrowest place of a way moved sideways to where there is most room, and its room.
+def _roomiest(
+    forbidden: Forbidden, line: Points, spacing: float, box: tuple[Point, Point]
+) -> tuple[Point, float, tuple[Points, Points]]:
+    """The narrowest place of a way moved sideways to where there is most room, its room, both ways.
 
     Points stay on planes across the way, so that none leaves a gap behind it. What is returned
     holds for all points of the way, or of the given one where that has more room.
@@ -159,7 +168,7 @@ def _roomiest(forbidden: Forbidden, line: Points, spacing: float) -> tuple[Point
     rooms = forbidden.least(points)
     found = _narrowest(forbidden, points)
     if found[1] >= min(rooms[0], rooms[-1]) - _TOLERANCE:  # at an end, which stays where it is
-        return found
+        return *found, (points, points)
     moved = np.flatnonzero(rooms[1:-1] < rooms.min() + 8 * spacing) + 1
     near = forbidden.nearby(points[moved], 24 * spacing)
     across = _across(points, moved)
@@ -167,10 +176,12 @@ def _roomiest(forbidden: Forbidden, line: Points, spacing: float) -> tuple[Point
     for _ in range(_ROUNDS):
         tried = shifted[moved, None] + step * across
         room = near.least(tried.reshape(-1, 3)).reshape(len(moved), -1)
+        room[((tried < box[0]) | (tried > box[1])).any(axis=-1)] = -np.inf
         best = room.argmax(axis=1)
         shifted[moved] = tried[np.arange(len(moved)), best]
         step *= 0.8
-    return max(found, _narrowest(forbidden, shifted), key=lambda pair: pair[1])
+    most = max(found, _narrowest(forbidden, shifted), key=lambda pair: pair[1])
+    return *most, (points, shifted)
 
 
 def _across(points: Points, which: np.ndarray) -> Float[np.ndarray, "n ways 3"]:
