@@ -11,28 +11,20 @@ from pydantic import ValidationError
 
 from jaxsusp._types import Array
 from jaxsusp.errors import InputError, require, require_count, require_known, require_seed
-from jaxsusp.freespace.bodies import domain_of, obstacle_bodies
 from jaxsusp.freespace.build import free_space
-from jaxsusp.freespace.iris import Bodies
 from jaxsusp.freespace.polyhedra import Point, Points
 from jaxsusp.mechanics.drives import moving
 from jaxsusp.problem.fitness import position_terms
-from jaxsusp.scenario.models import Box, Cylinder, Obstacle, Sphere
 from jaxsusp.scenario.ownunits import UNCHANGED
 from jaxsusp.scenario.scenario import Scenario
 from jaxsusp.scenario.world import World, build_world
+from jaxsusp.studies.clutter import place_obstacles
 from jaxsusp.studies.narrowing import ENDS, HEADROOM, POSTS, leaving, narrowed, wall
 from jaxsusp.studies.rigs import MOST_ROBOTS, RIGS, benchmark_rig, drawn_kind, drawn_rig, elsewhere
 from jaxsusp.vec3 import Vec3
 
 MOST = 1000
 """Greatest number of obstacles."""
-
-FILLED = 0.4
-"""Share of the workspace that obstacles and their shadows may take; each takes its part of it."""
-
-CLEAR = 0.05
-"""m that start and goal stay away from what load or cables would touch."""
 
 MOVED = 0.35
 """Share of the benchmark's distances that a load goes whose ends move along with it."""
@@ -45,8 +37,6 @@ ATTEMPTS = 60
 
 PATIENCE = 10
 """Times as many are drawn where a width is asked for: the wrong ones are told at once."""
-
-_CLOUD = 4000  # positions at which the share that is taken is measured
 
 
 def random_scenario(
@@ -252,13 +242,13 @@ def _draw(
     except ValidationError:
         return None
     if passage is None:
-        obstacles = _place_obstacles(random, frame, count)
+        obstacles = place_obstacles(random, frame, count)
     else:
         leaves = leaving(frame, ENDS * passage[1])
         posts = wall(random, frame, sum(passage) / 2, wide)
         if not all(map(leaves, posts)):
             return None
-        others = _place_obstacles(random, frame, count - POSTS, leaves)
+        others = place_obstacles(random, frame, count - POSTS, leaves)
         obstacles = None if others is None else [*posts, *others]
     if obstacles is None:
         return None
@@ -280,82 +270,3 @@ def _ends_of_task(random: np.random.Generator, wide: float) -> tuple[Point, Poin
         np.round([wide * r * np.cos(a), wide * r * np.sin(a), z], 2)
         for r, a, z in zip(radius, (angle, angle + turn), height, strict=True)
     )  # type: ignore[return-value]
-
-
-def _place_obstacles(
-    random: np.random.Generator,
-    frame: Scenario,
-    count: int,
-    leaves: Callable[[Obstacle], bool] = lambda obstacle: True,
-) -> list[Obstacle] | None:
-    """Obstacles one by one: too big a one is drawn again, smaller, and so are those after it."""
-    domain = domain_of(frame)
-    frame = frame.model_copy(update={"drive": "cable"})  # moving cables begin clear as well
-    cloud = random.uniform(frame.workspace.lower, frame.workspace.upper, (_CLOUD, 3))
-    cloud = cloud[domain.excess(cloud) < 0]
-    ends = np.array([frame.task.start, frame.task.goal])
-    taken, placed = np.zeros(len(cloud), bool), []
-    scale = min(1.0, 2.2 / count ** (1 / 3))
-    for number in range(count):
-        for _ in range(30):
-            place = _between(random, ends) if number == 0 else _anywhere(random, frame, scale)
-            obstacle = _obstacle(random, f"{number + 1}", place, scale)
-            scale *= 0.85
-            bodies = _bodies(frame, obstacle)
-            if bodies is None or _near(bodies, ends) or not leaves(obstacle):
-                continue
-            now = taken | bodies.holding(cloud)
-            if now.mean() <= FILLED * (number + 4) / count or number == 0:
-                placed.append(obstacle)
-                taken, scale = now, min(1.0, scale / 0.85 * 1.05)
-                break
-        else:
-            return None
-    return placed
-
-
-def _bodies(frame: Scenario, obstacle: Obstacle) -> Bodies | None:
-    """What one obstacle keeps the load out of; None where it blocks an end of a cable."""
-    try:
-        return Bodies(obstacle_bodies(frame, obstacle, obstacle.name))
-    except InputError:
-        return None
-
-
-def _near(bodies: Bodies, points: Points) -> bool:
-    return any((body.faces.excess(points) <= CLEAR).any() for body in bodies.bodies)
-
-
-def _between(random: np.random.Generator, ends: Points) -> Point:
-    """A place about the middle of the straight line, for the obstacle that blocks it."""
-    return ends[0] + random.uniform(0.35, 0.65) * (ends[1] - ends[0])
-
-
-def _anywhere(random: np.random.Generator, frame: Scenario, scale: float) -> Point:
-    """A place in the workspace, the lower the smaller things are: low ones cast short shadows."""
-    lower, upper = np.array(frame.workspace.lower), np.array(frame.workspace.upper)
-    return lower + random.uniform(size=3) * [1, 1, scale] * (upper - lower)
-
-
-def _obstacle(random: np.random.Generator, number: str, place: Point, scale: float) -> Obstacle:
-    """A box, pillar or ball that reaches up to a place; most stand on the ground, some hang."""
-    width, depth, height = scale * random.uniform([0.4, 0.4, 0.6], [1.4, 1.2, 4.0]) + 0.02
-    top = place[2] + scale * random.uniform(0.0, 0.4)
-    if random.random() < 0.7:
-        height = top  # from the ground
-    center = _rounded([place[0], place[1], top - height / 2])
-    match random.choice(["box", "box", "pillar", "ball"]):
-        case "box":
-            size, yaw = _rounded([width, depth, height]), round(random.uniform(0, 180), 1)
-            return Box(name=f"box {number}", center=center, size=size, yaw_deg=yaw)
-        case "pillar":
-            radius, high = _rounded([width / 4, height, 0])[:2]
-            return Cylinder(name=f"pillar {number}", center=center, radius=radius, height=high)
-        case _:
-            return Sphere(name=f"ball {number}", center=_rounded(place), radius=round(width / 3, 3))
-
-
-def _rounded(numbers) -> tuple[float, float, float]:
-    """As a person would write it: millimetres."""
-    x, y, z = (round(float(number), 3) for number in numbers)
-    return x, y, z

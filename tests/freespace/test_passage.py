@@ -29,7 +29,7 @@ def test_a_gap_in_a_wall_is_as_wide_as_it_leaves_the_load_room(gap):
     """The load is 0.2 m wide and keeps 0.05 m on either side."""
     walls = pillar(-4, -0.3 - gap, "left"), pillar(-0.3, 4, "right")
     scenario = scene(*walls, drive="hybrid")
-    place, room, most = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
+    place, room, _, most = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
     assert 2 * room == pytest.approx(gap - 0.3, abs=EXACT)
     assert 2 * room <= gap - 0.3 <= 2 * most
     np.testing.assert_allclose(place[0], -0.3 - gap / 2, atol=EXACT)
@@ -71,7 +71,7 @@ def test_a_slot_for_a_cable_is_as_wide_as_it_leaves_the_cable_room():
         Box(name="east", center=(1.15, 5.0, 5.9), **beam),
     )
     scenario = scene(*beams)
-    place, room, _ = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
+    place, room, *_ = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
     assert 2 * room == pytest.approx(0.3 - 2 * (0.01 + 0.05), abs=EXACT)
     end, hook = np.array(scenario.robots[0].end), place + np.array([0.0, 0.0, 0.15])
     at_beams = hook + (5.0 - hook[1]) / (end[1] - hook[1]) * (end - hook)
@@ -79,10 +79,26 @@ def test_a_slot_for_a_cable_is_as_wide_as_it_leaves_the_cable_room():
     assert 5.7 <= at_beams[2] <= 6.1
 
 
+def test_a_way_that_is_moved_to_more_room_stays_in_the_workspace():
+    """Above the wall is room without end, and the top of the workspace is just above it."""
+    wall = Box(name="wall", center=(0.0, 0.0, 0.9), size=(8.0, 0.4, 1.8))
+    scenario = scene(wall, drive="hybrid")
+    box = scenario.workspace.model_copy(update={"upper": (3.5, 3.5, 2.2)})
+    scenario = scenario.model_copy(update={"workspace": box})
+    found = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
+    for way in found.ways:
+        assert way[:, 2].max() <= 2.2
+    assert found.room <= 2.2 - 1.8
+    scenario = scenario.model_copy(
+        update={"workspace": box.model_copy(update={"upper": (3.5, 3.5, 3.2)})}
+    )
+    assert narrowest_place(forbidden_of(scenario), Errand.of(scenario)).room > found.room
+
+
 def test_the_clearance_could_grow_by_half_of_it():
     """A way is left with somewhat less, and none with more."""
     scenario = scene(pillar(-4, -1.4, "left"), pillar(-0.9, 4, "right"), drive="hybrid")
-    _, room, most = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
+    _, room, _, most = narrowest_place(forbidden_of(scenario), Errand.of(scenario))
 
     def rest(grown: float) -> float:
         limits = scenario.limits.model_copy(update={"clearance": 0.05 + grown})

@@ -2,6 +2,7 @@
 
 import pickle
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial, wraps
 from types import ModuleType
@@ -16,7 +17,9 @@ import jaxsusp as js
 from jaxsusp.optim import programs
 from jaxsusp.optim.algorithms import pso
 from jaxsusp.optim.base import Best
+from jaxsusp.optim.batch import compile_batch
 from jaxsusp.optim.programs import at_hand, described
+from jaxsusp.problem.problem import stack_problems
 
 RUNS, ITERATIONS = 3, 5
 
@@ -191,3 +194,30 @@ def test_a_search_of_a_kept_program_is_the_search(kept, problems):
     np.testing.assert_array_equal(again.x, fresh.x)
     np.testing.assert_array_equal(search(seed=1).fitness != fresh.fitness, True)
     assert len(kept()) == 2
+
+
+def test_what_is_compiled_ahead_is_what_the_search_takes(kept, problems):
+    """Many threads that want one program compile it once, and a search finds it."""
+    arguments = stack_problems([problems[0]]), js.pso(), 0, range(RUNS), ITERATIONS, 30
+    with ThreadPoolExecutor(4) as pool:
+        for done in [pool.submit(compile_batch, *arguments) for _ in range(4)]:
+            done.result()
+    files = {each: each.stat().st_mtime_ns for each in kept()}
+    assert len(files) == 2
+    found = js.minimize(problems[0], js.pso(), runs=RUNS, iterations=ITERATIONS)
+    assert {each: each.stat().st_mtime_ns for each in kept()} == files
+    programs._place_of.cache_clear()
+    again = js.minimize(problems[0], js.pso(), runs=RUNS, iterations=ITERATIONS)
+    np.testing.assert_array_equal(again.fitness, found.fitness)
+
+
+def test_a_switch_of_one_thread_is_not_lost_on_the_way(kept, problems):
+    """What a thread was asked to compute otherwise it computes, at hand or not."""
+    search = partial(js.minimize, problems[0], "sdbo", runs=RUNS, iterations=ITERATIONS)
+    with jax.threefry_partitionable(False):
+        cold, warm = search(), search()
+    np.testing.assert_array_equal(cold.fitness, warm.fitness)
+    with pytest.MonkeyPatch.context() as patch, jax.threefry_partitionable(False):
+        patch.setattr(programs, "kept_in", lambda: None)
+        np.testing.assert_array_equal(search().fitness, cold.fitness)
+    assert (search().fitness != cold.fitness).any()

@@ -96,7 +96,8 @@ def test_without_success_the_best_attempt_comes_back_with_reasons(monkeypatch, p
     """Every candidate is refused: the planner goes through its retries and says why."""
     seen = []
 
-    def stubborn(searched, space, settings, waypoints, first, *_):
+    def stubborn(problem, settings, first, *_):
+        waypoints = problem.dim // 3
         seen.append((waypoints, first))
         through_the_wall = np.tile([-0.46, 0.46, 0.8], waypoints)
         return np.stack([through_the_wall, through_the_wall + 0.1])

@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 
 import jaxsusp as js
-from jaxsusp.freespace.cells.passage import passage_width
+from jaxsusp.freespace.cells.forbidden import Errand, forbidden_of
+from jaxsusp.freespace.cells.passage import narrowest_place
 from jaxsusp.scenario.world import build_world
 from jaxsusp.studies import random_scenario
-from jaxsusp.studies.random_scenario import _is_range, blocked, solvable
+from jaxsusp.studies.narrowing import ENDS, POSTS
+from jaxsusp.studies.random_scenario import _range_of, blocked, passable, solvable
 
 
 @jax.jit
@@ -56,15 +58,26 @@ def test_scenes_are_those_of_ever():
     assert js.best_known(js.random_scenario(0, 5)) is not None
 
 
-def test_robots_and_passage_are_as_asked():
-    """Scenes of other robots or widths go through the same draws."""
-    scene = js.random_scenario(1, 6, robots=4, passage=(0.1, 0.3))
-    assert scene.name == "random-1-6-robots-4-passage-0.1-0.3"
-    assert len(scene.robots) == 4
-    assert 0.1 <= passage_width(scene) <= 0.3
-    assert passage_width(scene) == js.passage(scene, js.free_space(scene, coverage=0.1)).width
+@pytest.mark.parametrize(
+    ("seed", "obstacles", "robots", "passage"),
+    [(1, 6, 4, (0.1, 0.3)), (0, 2, 3, (0.2, 0.4)), (0, 12, 3, (0.4, 0.8))],
+)
+def test_robots_and_passage_are_as_asked(seed, obstacles, robots, passage):
+    """What is narrow lies between start and goal, by the wall, and not at one of them."""
+    scene = js.random_scenario(seed, obstacles, robots=robots, passage=passage)
+    low, high = passage
+    assert scene.name == f"random-{seed}-{obstacles}-robots-{robots}-passage-{low}-{high}"
+    assert (len(scene.robots), len(scene.obstacles)) == (robots, obstacles)
+    forbidden, errand = forbidden_of(scene), Errand.of(scene)
+    found = narrowest_place(forbidden, errand)
+    assert low <= 2 * found.room <= high
+    assert forbidden.least(np.array([scene.task.start, scene.task.goal])).min() > ENDS * high
+    if len(scene.obstacles) == POSTS:
+        for post in range(POSTS):  # neither alone makes it narrow
+            alone = scene.model_copy(update={"obstacles": scene.obstacles[post : post + 1]})
+            assert 2 * narrowest_place(forbidden_of(alone), errand).room > high
     assert blocked(scene)
-    assert solvable(scene)
+    assert passable(scene, found.ways)
 
 
 @pytest.mark.fast
@@ -112,7 +125,7 @@ def test_open_and_hopeless_scenes_are_told_apart(scenarios):
         ((0, 0), "obstacles = 0: give a whole number from 1 to 1000"),
         ((0, 1001), "obstacles = 1001"),
         ((0, 5, "benchmark", 2), "robots = 2: give a whole number from 3 to 12"),
-        ((0, 5, "benchmark", 3, (0.2, 0.1)), "passage = .* give a least width"),
+        ((0, 1, "benchmark", 3, (0.1, 0.2)), "obstacles = 1: a passage is the gap of a wall of 2"),
     ],
 )
 def test_bad_numbers_are_refused(arguments, message):
@@ -128,7 +141,21 @@ def test_bad_counts_are_refused(count):
 
 
 @pytest.mark.fast
-def test_a_range_of_passage_is_two_numbers_that_rise():
-    wrong = [0.3, "ab", (None, 1), ([0.1], 0.2), (0.2,), (0.1, 0.2, 0.3), (False, True)]
-    assert not any(map(_is_range, [*wrong, (0.2, 0.1), (float("nan"), 1.0), {0.1: 1, 0.2: 2}]))
-    assert all(map(_is_range, [(0, 1), (0.1, 0.2), [0.1, 5]]))
+@pytest.mark.parametrize(
+    ("passage", "message"),
+    [
+        *[(each, "give two numbers in m") for each in (0.3, "ab", (None, 1), ([0.1], 0.2), (0.2,))],
+        *[(each, "give two numbers in m") for each in ((0.1, 0.2, 0.3), (False, True))],
+        *[(each, "give a least width") for each in ((0.2, 0.1), (float("nan"), 1.0), (-1, 1))],
+        ((0.1, float("inf")), "give a least width"),
+    ],
+)
+def test_a_range_of_passage_is_two_numbers_that_rise(passage, message):
+    with pytest.raises(js.InputError, match=message):
+        _range_of(passage)
+
+
+@pytest.mark.fast
+@pytest.mark.parametrize("passage", [(0, 1), [0.1, 5], np.array([0.1, 0.2]), (np.float32(0), 1)])
+def test_any_two_numbers_are_a_range(passage):
+    assert _range_of(passage) == (float(passage[0]), float(passage[1]))
