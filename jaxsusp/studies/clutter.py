@@ -1,4 +1,4 @@
-"""Obstacles of random scenes: boxes, pillars and balls, together no more than a share of the room."""
+"""Obstacles of random scenes: boxes, pillars and balls, in a share of the room and no more."""
 
 from collections.abc import Callable
 
