@@ -34,7 +34,8 @@ def make(names, resume: bool) -> None:
     todo = [name for name in names if module(name).MINUTES]
     if resume:
         todo = [name for name in todo if not current(module(name), artefacts)]
-    told(f"{len(todo)} to make, about {duration_of(todo)} on two cores")
+    there = f"; data go to {artefacts.folder}"
+    told(f"{len(todo)} to make, about {duration_of(todo)} on two cores{there}")
     for number, name in enumerate(todo, 1):
         found = module(name)
         told(f"{number}/{len(todo)} {name}: about {found.MINUTES:g} min")

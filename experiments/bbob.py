@@ -15,6 +15,7 @@ import argparse
 import time
 from pathlib import Path
 
+from jaxsusp.errors import InputError
 from jaxsusp.optim import choices, devices
 
 DATA = Path(__file__).with_name("data")
@@ -27,9 +28,12 @@ def main() -> None:
     """Run what is asked for, then draw all that is there."""
     asked = arguments()
     devices.configure()
-    if not asked.draw:
-        run(asked)
-    draw(asked)
+    try:
+        if not asked.draw:
+            run(asked)
+        draw(asked)
+    except InputError as error:
+        raise SystemExit(f"error: {error}") from None
 
 
 def arguments() -> argparse.Namespace:
@@ -38,13 +42,15 @@ def arguments() -> argparse.Namespace:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     add = parser.add_argument
-    add("--algorithms", type=lambda text: text.split(","), default=[*choices.ALGORITHMS])
+    names = ", ".join(choices.ALGORITHMS)
+    said = f"names with commas between them, of {names} and others (all of these)"
+    add("--algorithms", type=lambda text: text.split(","), default=[*choices.ALGORITHMS], help=said)
     add("--dimensions", type=numbers, default=[*DIMENSIONS], help="such as 5,10")
     add("--functions", type=numbers, default=[*FUNCTIONS], help="such as 1-14,20")
-    add("--instances", type=numbers, default=[*INSTANCES])
+    add("--instances", type=numbers, default=[*INSTANCES], help="such as 1-15")
     add("--budget", type=int, default=BUDGET, help="evaluations of a run, times D (%(default)s)")
-    add("--seed", type=int, default=0)
-    add("--output", type=Path, default=Path("results/bbob"))
+    add("--seed", type=int, default=0, help="root of all randomness (%(default)s)")
+    add("--output", type=Path, default=Path("results/bbob"), help="folder (%(default)s)")
     add("--resume", action="store_true", help="leave what is done")
     add("--draw", action="store_true", help="run nothing")
     add("--keep", action="store_true", help="keep the summary in experiments/data")
