@@ -37,7 +37,7 @@ DIFFERS = (
     "search end clear, and what does it cost?"
 )
 MADE = READ = ("difficulty",)
-MINUTES = 8.0
+MINUTES = 32.0
 
 
 class Level(NamedTuple):
