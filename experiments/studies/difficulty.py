@@ -92,8 +92,9 @@ class Settings(NamedTuple):
 
 FULL = Settings()
 MINIATURE = Settings(
-    Level(6), (), (), ((0.1, 0.2),), scenes=2, algorithms=("pso",), runs=2, iterations=20
-)
+    Level(6, 3, 0.4, 0.8), (), (), ((0.3, 0.4),), scenes=2, algorithms=("pso",), runs=4,
+    iterations=60, processes=1,
+)  # fmt: skip
 
 
 def make(settings: Settings, work: Work) -> None:
