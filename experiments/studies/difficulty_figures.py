@@ -145,6 +145,8 @@ def cost_figure(frame: pd.DataFrame, names: list[str]) -> Figure:
                 color=style.color, ms=5, lw=1,
             )  # fmt: skip
             for x in part[what][~np.isfinite(ert)]:
+                low, high = axes.get_xlim()  # of the finite ones: a sign beyond takes all the room
+                axes.set_xlim(min(low, x / 1.1), max(high, 1.1 * x))
                 axes.annotate(
                     "∞", (x, 1), xycoords=("data", "axes fraction"), color=style.color,
                     fontsize=9, ha="center", va="top",

@@ -95,8 +95,10 @@ def random_scenario(
         if passage is None:
             if solvable(scenario):
                 return elsewhere(scenario, frame)
-        elif (found := narrowed(scenario, passage)) and passable(*found):
-            return elsewhere(found[0], frame)
+        elif found := narrowed(scenario, passage):
+            scenario, ways = found
+            if blocked(scenario) and passable(scenario, ways):  # the gap may have grown to the line
+                return elsewhere(scenario, frame)
     wide = "" if passage is None else f" {passage[0]:g} to {passage[1]:g} m wide"
     raise InputError(
         f"obstacles = {obstacles}, seed = {seed}: no blocked and solvable scene{wide} in "
@@ -155,7 +157,9 @@ def _range_of(passage: Any) -> tuple[float, float]:
         InputError: not two numbers, or not those of a range.
     """
     try:
-        low, high = (float(each) for each in passage if not isinstance(each, str | bool))
+        if any(isinstance(each, str | bool) for each in passage):
+            raise TypeError
+        low, high = map(float, passage)
     except (TypeError, ValueError):
         raise InputError(
             f"passage = {passage!r}: give two numbers in m, as passage = (0.2, 0.4)"

@@ -10,6 +10,7 @@ from experiments import pages
 from experiments.artefacts import Artefacts
 from experiments.contents import Work
 from experiments.studies import difficulty as study
+from experiments.studies.difficulty_figures import cost_figure
 
 pytestmark = pytest.mark.pages
 
@@ -52,3 +53,15 @@ def test_a_bend_that_is_there_is_found():
     assert "one half at 0.20 m of width" in study.bend_of(made, "pso")
     flat = made.assign(pso_clear=20)
     assert "passes one half nowhere" in study.bend_of(flat, "pso")
+
+
+def test_a_level_without_a_clear_run_has_its_sign_within_the_picture(frame):
+    """Beyond the others' widths it took all the room, and no axes were left."""
+    one = frame.copy()
+    one.attrs = frame.attrs
+    one["pso_clear"] = (one["narrowest"] == frame["narrowest"].max()).astype(int)
+    figure = cost_figure(one, ["pso"])
+    figure.draw_without_rendering()  # a layout that is given up is a warning, and that an error
+    never = one.loc[one["pso_clear"] == 0, "width"].median()
+    low, high = figure.axes[1].get_xlim()
+    assert low < never < high

@@ -145,7 +145,10 @@ def test_bad_counts_are_refused(count):
     ("passage", "message"),
     [
         *[(each, "give two numbers in m") for each in (0.3, "ab", (None, 1), ([0.1], 0.2), (0.2,))],
-        *[(each, "give two numbers in m") for each in ((0.1, 0.2, 0.3), (False, True))],
+        *[
+            (each, "give two numbers in m")
+            for each in ((0.1, 0.2, 0.3), (False, True), (0.1, "x", 0.2))
+        ],
         *[(each, "give a least width") for each in ((0.2, 0.1), (float("nan"), 1.0), (-1, 1))],
         ((0.1, float("inf")), "give a least width"),
     ],
