@@ -48,7 +48,7 @@ def normalised(notebook: NotebookNode) -> NotebookNode:
         cell.id, cell.metadata = f"cell-{number}", {}
         if cell.cell_type != "code":
             continue
-        said = [each for each in cell.outputs if each.get("name") != "stderr"]
+        said = _in_one_piece([each for each in cell.outputs if each.get("name") != "stderr"])
         cell.outputs, cell.execution_count = said, None
         for output in said:
             if output.output_type == "execute_result":
@@ -56,6 +56,20 @@ def normalised(notebook: NotebookNode) -> NotebookNode:
             if "metadata" in output:
                 output.metadata = {}
     return notebook
+
+
+def _in_one_piece(outputs: list[NotebookNode]) -> list[NotebookNode]:
+    """Outputs, those of print joined where one follows another.
+
+    A kernel sends what is printed whenever its clock strikes, in the middle of a line too.
+    """
+    joined: list[NotebookNode] = []
+    for output in outputs:
+        if joined and joined[-1].output_type == output.output_type == "stream":
+            joined[-1].text += output.text
+        else:
+            joined.append(output)
+    return joined
 
 
 def main(names: list[str]) -> None:

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from functools import partial
 from pathlib import Path
 
 import nbformat
@@ -48,6 +49,18 @@ def test_what_is_kept_is_small_and_tells_only_what_it_says(name):
     assert any(each for each in kinds(notebook))
     for secret in ("/home/", "/root/", str(FOLDER.parent)):
         assert secret not in text
+
+
+@pytest.mark.fast
+def test_a_line_sent_in_two_pieces_is_kept_as_one():
+    """A kernel may flush between what one call of print writes, and stderr may come between."""
+    output = partial(nbformat.v4.new_output, "stream")
+    pieces = [output(text="verified: "), output(name="stderr", text="!"), output(text="True\n")]
+    last = nbformat.v4.new_output("display_data", {"text/plain": "0"})
+    cell = nbformat.v4.new_code_cell(outputs=[*pieces, last, output(text="end\n")])
+    notebook = execute.normalised(nbformat.v4.new_notebook(cells=[cell]))
+    assert kinds(notebook) == [[["stream"], ["text/plain"], ["stream"]]]
+    assert notebook.cells[0].outputs[0].text == "verified: True\n"
 
 
 @pytest.mark.fast
