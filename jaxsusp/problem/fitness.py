@@ -27,7 +27,7 @@ from jaxsusp.suspension.armclearance import count_arm_contacts
 from jaxsusp.suspension.levelload import bases_at, ends_at, stability_of, tensions_at, turn_at
 from jaxsusp.suspension.reach import count_misplaced
 from jaxsusp.trajectory.makima import makima
-from jaxsusp.vec3 import Vec3, norm
+from jaxsusp.vec3 import Vec3, angle, norm
 
 UNITS = {"length": "m", "height": "m", "cable": "m", "tension_rate": "N m/s²", "curvature": "1/m"}
 """Units of the terms of Eq. 21; the others have none."""
@@ -213,9 +213,8 @@ def tension_length_rate(lengths: list[Array], tensions: list[Array], interval) -
 def curvature(step: Vec3) -> Float[Array, "interior *batch"]:
     """Discrete curvature Δχ_d / L_{d+1} (1/m) at the interior samples of a polyline.
 
-    Δχ = 2 atan2(‖t' - t‖, ‖t' + t‖) of consecutive unit tangents: accurate for the smallest
-    angles, where an arccos of a float32 dot product is not, and smooth at a reversal. A segment
-    of zero length contributes 0, with a finite gradient.
+    Δχ is the angle between consecutive unit tangents. A segment of zero length contributes 0, with
+    a finite gradient.
 
     Args:
         step: the polyline's segments p_{d+1} - p_d (m), along axis 0.
@@ -225,8 +224,8 @@ def curvature(step: Vec3) -> Float[Array, "interior *batch"]:
     per_length = jnp.where(moving, 1 / jnp.where(moving, length, 1), 0)
     tangent = step * per_length
     before, after = tangent.each(lambda c: c[:-1]), tangent.each(lambda c: c[1:])
-    angle = 2 * jnp.arctan2(norm(after - before), norm(after + before))
-    return jnp.where(moving[:-1] & moving[1:], angle * per_length[1:], 0)
+    turn = angle(before, after) * per_length[1:]
+    return jnp.where(moving[:-1] & moving[1:], turn, 0)
 
 
 def _total_curvature(step: Vec3) -> Array:

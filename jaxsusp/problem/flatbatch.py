@@ -32,6 +32,27 @@ def one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Ar
             (coefficients, x),
             tuple(in_batched),
         )
-        return jax.lax.map(lambda each: function(*each), (coefficients, x)), True
+        return _in_turn(function, coefficients, x), True
 
     return batched
+
+
+def _in_turn(function: Callable[[Any, Array], Array], coefficients: Any, x: Array) -> Array:
+    """The function of every (coefficients, candidates), those of the next fetched ahead.
+
+    What a loop carries is at hand when a turn begins. Fetched where they are used, as `lax.map`
+    does, coefficients would be looked up within every kernel, whose loops LLVM then leaves
+    unvectorised: a search of six scenarios would take 1.8 times as long.
+    """
+    count = len(x)
+
+    def of(i) -> Any:
+        return jax.tree.map(lambda leaf: jax.lax.dynamic_index_in_dim(leaf, i, 0, False), table)
+
+    def turn(own: Any, each: tuple[Array, Array]) -> tuple[Any, Array]:
+        following, candidates = each
+        return of(following), function(own, candidates)
+
+    table = jax.tree.map(jnp.asarray, coefficients)
+    following = jnp.minimum(jnp.arange(1, count + 1, dtype=jnp.int32), count - 1)
+    return jax.lax.scan(turn, of(0), (following, x))[1]

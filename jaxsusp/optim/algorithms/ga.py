@@ -62,7 +62,7 @@ def _step(coefficients, key, problem: Problem, state: GaState) -> tuple[GaState,
 
     x = jnp.concatenate([state.x, children])
     fitness = jnp.concatenate([state.fitness, problem.evaluate(children)])
-    survivors = jnp.argsort(fitness, stable=True)[:count]
+    survivors = jax.lax.top_k(-fitness, count)[1]
     x, fitness = x[survivors], fitness[survivors]
     return GaState(x, fitness, Best(x[0], fitness[0])), NoInfo()
 
@@ -99,25 +99,31 @@ def crossover(
         & (jax.random.uniform(key_variable, shape, dtype) < c.crossover_per_variable)
         & (distance > 1e-14)
     )
-    distance = jnp.where(crossed, distance, 1)
-    draw = jax.random.uniform(key_spread, shape, dtype)
-
-    def spread(room):
-        """Spread factor for a child with this much room between the outer parent and the bound."""
-        power = 1 / (c.crossover_index + 1)
-        alpha = 2 - (1 + 2 * room / distance) ** -(c.crossover_index + 1)
-        inner = draw * alpha <= 1
-        contracting = (draw * alpha) ** power
-        expanding = (1 / jnp.where(inner, 1, 2 - draw * alpha)) ** power
-        return jnp.where(inner, contracting, expanding)
-
-    middle = 0.5 * (low + high)
-    lower_child = middle - 0.5 * distance * spread(low - problem.low)
-    upper_child = middle + 0.5 * distance * spread(problem.high - high)
+    distance = jnp.where(crossed, distance, 1)[None]
+    draw = jax.random.uniform(key_spread, shape, dtype)[None]
     swap = jax.random.uniform(key_swap, shape, dtype) < 0.5
-    one = jnp.where(crossed, jnp.where(swap, upper_child, lower_child), mother)
-    two = jnp.where(crossed, jnp.where(swap, lower_child, upper_child), father)
-    return jnp.concatenate([one, two])
+
+    # Two children at once, by the side of the middle on which each variable lies.
+    is_first = jnp.asarray([True, False])[:, None, None]
+    is_above = swap[None] == is_first
+    room = jnp.where(is_above, (problem.high - high)[None], (low - problem.low)[None]).clip(0)
+    power = 1 / (c.crossover_index + 1)
+    alpha = 2 - _power(1 + 2 * room / distance, -(c.crossover_index + 1))
+    contracts = draw * alpha <= 1
+    spread = _power(jnp.where(contracts, draw * alpha, 1 / (2 - draw * alpha)), power)
+    reach = 0.5 * distance * spread
+    children = 0.5 * (low + high)[None] + jnp.where(is_above, reach, -reach)
+    children = jnp.where(crossed[None], children, jnp.where(is_first, mother[None], father[None]))
+    return children.reshape(-1, shape[1])
+
+
+def _power(base: Array, exponent) -> Array:
+    """Base to the exponent, the base not below 0 but for rounding.
+
+    XLA has a CPU call the C library for every power, which took longer than the fitness does;
+    exponentials and logarithms are vectorised.
+    """
+    return jnp.exp(exponent * jnp.log(base.clip(0)))
 
 
 def mutate(
@@ -139,7 +145,7 @@ def mutate(
 
     def reach(room, weight):
         """Relative step towards a bound at relative distance `room`; weight in [0, 1]."""
-        return 1 - (weight + (1 - weight) * (1 - room) ** power) ** (1 / power)
+        return 1 - _power(weight + (1 - weight) * _power(1 - room, power), 1 / power)
 
     down = reach((x - problem.low) / extent, 2 * draw)
     up = reach((problem.high - x) / extent, 2 * (1 - draw))
