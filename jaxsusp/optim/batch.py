@@ -26,6 +26,13 @@ from jaxsusp.problem.problem import Problem
 ONCE = {"xla_backend_optimization_level": 1}
 """How a program is compiled that runs but once: in two thirds of the time, to the same bits."""
 
+BRIEF, LONG = {"xla_backend_optimization_level": 2}, {"xla_backend_optimization_level": 3}
+"""How one is that iterates: BRIEF takes two thirds of the time to compile and a tenth more in every
+iteration. Both compute the same bits."""
+
+MANY = 10_000_000
+"""Candidates in one batch from which on `LONG` is the quicker."""
+
 CHUNKS = 20
 """Parts in which a run is advanced, each reported to the progress callback."""
 
@@ -156,11 +163,14 @@ def _launched(
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         sizes = population, iterations, room
-        placed, start, advance_all = _programs(tuple(devices), *sizes)
+        scenarios = len(problems.lower)
+        is_long = scenarios * each * len(devices) * population * room >= MANY
+        placed, start, advance_all = _programs(tuple(devices), *sizes, is_long)
         arguments = placed(problems, optimizer, keys)
         begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)
         # All that it is made for shows in its arguments: runs of other lengths share it.
-        advanced = at_hand(advance_all, devices, *arguments, begun, *_span(1, 1), part="go")
+        known = {"part": "go", "long": is_long}
+        advanced = at_hand(advance_all, devices, *arguments, begun, *_span(1, 1), **known)
 
         def go(progress: Progress, first: int, stop: int) -> Progress:
             return jax.block_until_ready(advanced(*arguments, progress, *_span(first, stop)))
@@ -174,7 +184,7 @@ def _span(first: int, stop: int) -> tuple[Array, Array]:
 
 
 @functools.lru_cache(maxsize=64)
-def _programs(devices: tuple, population: int, iterations: int, room: int):
+def _programs(devices: tuple, population: int, iterations: int, room: int, is_long: bool):
     """(placed, start, go): a way to place arguments, and entry points that are compiled once.
 
     JAX keys them by the shapes of their arguments. Those that are not where a program wants them
@@ -206,7 +216,10 @@ def _programs(devices: tuple, population: int, iterations: int, room: int):
     return (
         placed,
         jax.jit(shard(start, in_specs=arguments), compiler_options=ONCE),
-        jax.jit(shard(go, in_specs=(*arguments, stacked, everywhere, everywhere))),
+        jax.jit(
+            shard(go, in_specs=(*arguments, stacked, everywhere, everywhere)),
+            compiler_options=LONG if is_long else BRIEF,
+        ),
     )
 
 

@@ -51,7 +51,7 @@ def test_runs_of_different_lengths_share_a_program_with_room_for_both(scenarios,
     whole = run_batch(problems, algorithm("pso"), 0, range(4), **SIZES)
     short = run_batch(problems, algorithm("pso"), 0, range(4), 10, 30, room=40)
     assert short.history.shape == (2, 4, 10)
-    _, _, go = batch._programs(tuple(jax.devices()[:2]), 30, 10, 40)
+    _, _, go = batch._programs(tuple(jax.devices()[:2]), 30, 10, 40, False)
     assert go._cache_size() == 1
     clocked = run_batch(problems, algorithm("pso"), 0, range(4), 10, 30)
     np.testing.assert_array_equal(short.history, clocked.history)
@@ -75,7 +75,7 @@ def test_one_compilation_serves_all_six_scenarios(scenarios, traced):
     again = run_batch(moved, optimizer, 1, range(2), 4, 6)
     assert len(traces) == once
     assert again.seconds_compile < outcome.seconds_compile
-    _, start, go = batch._programs(tuple(jax.devices()[:2]), 6, 4, 4)
+    _, start, go = batch._programs(tuple(jax.devices()[:2]), 6, 4, 4, False)
     assert start._cache_size() == go._cache_size() == 1
 
 
