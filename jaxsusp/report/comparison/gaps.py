@@ -39,10 +39,10 @@ def evaluations_to(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray
 
     Args:
         ds: a comparison; its `history` is the float32 fitness of the search.
-        target: a fitness, by scenario; NaN where it is not known.
+        target: a fitness, by scenario; NaN where it is not known. It may have other dimensions.
 
     Returns:
-        (scenario, algorithm, run): +inf of a run that never got there; NaN where there is no such
+        (scenario, algorithm, run), and those of the target: +inf of a run that never got there; NaN where there is no such
         run or no target. A run that got there when it was polished did with its last evaluation,
         and one of a long study at the next iteration of which there is history.
     """
@@ -56,7 +56,7 @@ def evaluations_to(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray
     last = ds["evaluations"].where(polished, np.inf)
     spent = (before + (above_it + 1) * per_step).where(above_it < made, last)
     there = ds["fitness"].notnull() & np.isfinite(target)
-    return spent.where(there).transpose("scenario", "algorithm", "run").compute()
+    return spent.where(there).transpose("scenario", "algorithm", "run", ...).compute()
 
 
 def expected_running_time(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray:

@@ -20,6 +20,9 @@ from jaxsusp.report.drawing.style import (
 TARGETS = np.logspace(0, -3, 31)
 """Gaps above the best known fitness, 100 % to 0.1 %, ten per decade."""
 
+AT_A_TIME = 2_000_000
+"""Numbers of histories, each against every target, that are looked at at a time."""
+
 
 def reached(ds: xr.Dataset, algorithm: str) -> tuple[Float[np.ndarray, "steps"], np.ndarray]:
     """Evaluations at which pairs of a run and a target are reached, and the share reached then.
@@ -31,7 +34,11 @@ def reached(ds: xr.Dataset, algorithm: str) -> tuple[Float[np.ndarray, "steps"],
         known.
     """
     cell = ds.sel(algorithm=[algorithm])
-    needed = [evaluations_to(cell, (1 + gap) * cell["best_known"]) for gap in TARGETS]
+    together = max(1, AT_A_TIME // cell["history"].size)
+    needed = [
+        evaluations_to(cell, (1 + xr.DataArray(some, dims="target")) * cell["best_known"])
+        for some in np.split(TARGETS, range(together, len(TARGETS), together))
+    ]
     pairs = np.concatenate([each.values.ravel() for each in needed])
     pairs = pairs[~np.isnan(pairs)]
     spent, count = np.unique(pairs[np.isfinite(pairs)], return_counts=True)

@@ -240,8 +240,8 @@ def _obstacles(axes: Axes, camera: Camera, scenario: Any, solids: list[Solid]) -
     loads = [of_load(scenario.payload, place) for place in task]
     bodies = [*solids, *loads]
     for rank, i in enumerate(camera.back_to_front(bodies)):
-        color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
-        paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
+        color = STONE if i < len(solids) else LOAD
+        paint_solid(axes, camera, bodies[i], color, zorder=2 + rank / len(bodies))
     for number, obstacle in enumerate(scenario.obstacles, start=1):
         corners = np.concatenate([solid.corners for solid in solids_of(obstacle)])
         top = corners[corners[:, 2] > corners[:, 2].max() - 1e-6 * unit]

@@ -5,6 +5,7 @@ that winds between obstacles comes out wrong. Here every body is convex, which m
 what" a short exact computation.
 """
 
+import functools
 from collections.abc import Iterable
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
@@ -32,14 +33,13 @@ class Solid(NamedTuple):
         """A body from planar faces, each with its corners in order, seen from anywhere."""
         faces = [np.asarray(face, np.float64) for face in faces]
         inside = np.mean([face.mean(axis=0) for face in faces], axis=0)
-        normals, offsets = [], []
-        for face in faces:
-            normal = np.cross(face[1] - face[0], face[-1] - face[0])
-            normal /= np.linalg.norm(normal) or 1.0
-            sign = -1.0 if normal @ (face[0] - inside) < 0 else 1.0
-            normals.append(sign * normal)
-            offsets.append(sign * normal @ face[0])
-        return cls(tuple(faces), np.array(normals), np.array(offsets), smooth)
+        corner, after, before = (np.array([face[i] for face in faces]) for i in (0, 1, -1))
+        normals = np.cross(after - corner, before - corner)
+        sizes = np.linalg.norm(normals, axis=1, keepdims=True)
+        normals /= np.where(sizes == 0, 1, sizes)
+        outwards = np.einsum("fi,fi->f", normals, corner - inside)
+        normals *= np.where(outwards < 0, -1.0, 1.0)[:, None]
+        return cls(tuple(faces), normals, np.einsum("fi,fi->f", normals, corner), smooth)
 
     @property
     def corners(self) -> Float[np.ndarray, "corners xyz"]:
@@ -84,8 +84,7 @@ class Camera(NamedTuple):
     @property
     def frame(self) -> Float[np.ndarray, "picture=2 xyz"]:
         """Unit vectors to the right and up in the picture."""
-        right = np.array([-np.sin(self.azimuth), np.cos(self.azimuth), 0.0])
-        return np.stack([right, np.cross(self.towards, right)])
+        return _frame_of(self)
 
     def project(self, points: Points) -> Float[np.ndarray, "*batch picture=2"]:
         """World → picture (m, true to scale across the viewing direction)."""
@@ -124,6 +123,12 @@ class Camera(NamedTuple):
             return list(order.static_order())
         except CycleError:  # bodies that run into each other have no order
             return np.argsort(depth).tolist()
+
+
+@functools.lru_cache(maxsize=64)
+def _frame_of(camera: Camera) -> np.ndarray:
+    right = np.array([-np.sin(camera.azimuth), np.cos(camera.azimuth), 0.0])
+    return np.stack([right, np.cross(camera.towards, right)])
 
 
 def of_obstacles(obstacles: Iterable[Any]) -> list[Solid]:

@@ -164,8 +164,8 @@ def _bodies(axes: Axes, camera: Camera, plan: Plan, solids: list[Solid], stills:
     ]
     bodies = [*solids, *loads]
     for rank, i in enumerate(camera.back_to_front(bodies)):
-        color, alpha = (STONE, 0.92) if i < len(solids) else (LOAD, 1.0)
-        paint_solid(axes, camera, bodies[i], color, alpha, zorder=2 + rank / len(bodies))
+        color = STONE if i < len(solids) else LOAD
+        paint_solid(axes, camera, bodies[i], color, zorder=2 + rank / len(bodies))
     way = camera.project(plan.at(np.linspace(0, plan.law.duration, 200)).position)
     for name, place in (("start", stills.center[0]), ("goal", stills.center[-1])):
         away = max(0.2 * unit, 1.2 * payload.radius)
