@@ -25,7 +25,7 @@ from jaxsusp.planning.motion.wanted import as_wanted
 from jaxsusp.planning.plan import Plan
 from jaxsusp.planning.ranking import rank, with_settings
 from jaxsusp.planning.refusal import explained, require_way, unhurried, why_not
-from jaxsusp.planning.steps import Settings
+from jaxsusp.planning.steps import Settings, foresee
 from jaxsusp.planning.strategies import Attempt, coordinate
 from jaxsusp.problem.choices import SEARCHES
 from jaxsusp.problem.hardturns import PRICE
@@ -125,6 +125,7 @@ def plan(
     require_count("waypoints", waypoints)
     require_count("retries", retries, least=0)
     retries = retries if settings.optimizer else 0  # there is no luck in taut ways
+    foresee(scenario, settings, waypoints)
     require_possible(scenario, ends)
     require_way(scenario, ends)
     tally, made = _Tally(), 0

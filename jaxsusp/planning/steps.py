@@ -43,6 +43,9 @@ from jaxsusp.suspension.rigging import ends_beside
 LEAST_FOR_ENDS = 30
 """Iterations of a search for ends at least; a third of those for the load if that is more."""
 
+FORESEEN = 32
+"""Obstacles up to which the search is compiled before the free space is known, see `foresee`."""
+
 SEARCHED = "searched"
 """The way of a plan that a search found, in its settings; beside `TAUT`."""
 
@@ -127,6 +130,24 @@ def load_problem(
         assert isinstance(suspension, Suspension)
         problem = problem.with_fitness(replace(suspension, with_cables=False))
     return gently(problem, settings.price)
+
+
+def foresee(scenario: Scenario, settings: Settings, waypoints: int) -> None:
+    """Have the search with given ends compiled while it is still being found out what it is for."""
+    small = len(scenario.obstacles) <= FORESEEN and settings.search != "box"
+    if small and settings.ends == "given" and settings.optimizer is not None:
+        prepare(load_problem(scenario, _any_space(scenario), settings, waypoints), settings, 0)
+
+
+def _any_space(scenario: Scenario) -> FreeSpace:
+    """A free space of one region.
+
+    Of nearly all scenarios the regions fit into the fewest places that `load_problem` makes for
+    them, so that the program for this one is the program for theirs.
+    """
+    line = np.array([scenario.task.start, scenario.task.goal], np.float64)
+    regions = np.zeros((1, 1, 3)), np.ones((1, 1)), np.eye(3)[None], line.mean(axis=0)[None]
+    return FreeSpace(*regions, np.ones((1, 1), bool), np.zeros(1, int), line, 0.0, 0.0)
 
 
 def prepare(problem: Problem, settings: Settings, first: int) -> None:

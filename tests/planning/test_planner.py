@@ -2,11 +2,13 @@
 
 import re
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 import jaxsusp as js
+from jaxsusp.optim.batch import run_batch
 from jaxsusp.optim.refine import refine
 from jaxsusp.planning import feasibility, refusal, steps, strategies
 from jaxsusp.planning.motion.smooth import RADII
@@ -85,6 +87,20 @@ def test_the_free_space_is_mapped_once_for_taut_ways_and_search():
     events: list = []
     js.plan("scenario-1", "pso", seed=1, progress=events.append, **SMALL)
     assert [event.phase for event in events].count("mapping the free space") == 1
+
+
+@pytest.mark.parametrize("name", ["scenario-1", "scenario-6"])
+def test_what_is_compiled_ahead_is_what_is_searched(name, monkeypatch):
+    """Other shapes, or another structure, would be another program: one compiled for nothing."""
+    made = []
+    monkeypatch.setattr(steps, "compile_batch", lambda *batch: made.append(batch))
+    monkeypatch.setattr(steps, "run_batch", lambda *batch: made.append(batch) or run_batch(*batch))
+    js.plan(name, "pso", retries=0, **SMALL)
+    foreseen, *others = ([*map(jnp.shape, jax.tree.leaves(p))] for p, *_ in made)
+    assert len(others) >= 2
+    assert all(each == foreseen for each in others)
+    assert len({jax.tree.structure(problem) for problem, *_ in made}) == 1
+    assert len({str(rest) for _, *rest in made}) == 1
 
 
 def test_the_same_seed_gives_the_same_plan(plan):
