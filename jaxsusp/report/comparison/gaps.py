@@ -42,9 +42,10 @@ def evaluations_to(ds: xr.Dataset, target: xr.DataArray | float) -> xr.DataArray
         target: a fitness, by scenario; NaN where it is not known. It may have other dimensions.
 
     Returns:
-        (scenario, algorithm, run), and those of the target: +inf of a run that never got there; NaN where there is no such
-        run or no target. A run that got there when it was polished did with its last evaluation,
-        and one of a long study at the next iteration of which there is history.
+        (scenario, algorithm, run), and those of the target: +inf of a run that never got there;
+        NaN where there is no such run or no target. A run that got there when it was polished did
+        with its last evaluation, and one of a long study at the next iteration of which there is
+        history.
     """
     history, label = ds["history"], ds["iteration"]  # of a long study not every iteration is kept
     made = xr.where(history.notnull().any("run"), label, 0).max("iteration")
