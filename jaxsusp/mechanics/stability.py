@@ -109,5 +109,9 @@ def polygon_gauge(point: Vec3, ends: Vec3) -> Array:
 
 
 def _root(margin: Array) -> Float[Array, "..."]:
-    """Cube root of a margin clipped to [0, 1]; NaN counts as no margin."""
-    return jnp.cbrt(jnp.clip(jnp.where(margin > 0, margin, 0), 0, 1))
+    """Cube root of a margin clipped to [0, 1]; NaN counts as no margin.
+
+    In single precision by a logarithm, which is vectorised: `cbrt` is a call of the C library.
+    """
+    margin = jnp.clip(jnp.where(margin > 0, margin, 0), 0, 1)
+    return jnp.exp(jnp.log(margin) / 3) if margin.dtype == jnp.float32 else jnp.cbrt(margin)
