@@ -2,6 +2,7 @@
 
 import argparse
 import hashlib
+import shutil
 import sys
 from importlib.metadata import version
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 from experiments import pages
 from experiments.artefacts import Artefacts
 from experiments.contents import NAMES, Module, Work, making, module
+from jaxsusp._cache import code_digest
 from jaxsusp.comparison.dataset import DECISIVE
 from jaxsusp.errors import InputError
 from jaxsusp.optim import devices
@@ -39,7 +41,9 @@ def make(names, resume: bool) -> None:
     for number, name in enumerate(todo, 1):
         found = module(name)
         told(f"{number}/{len(todo)} {name}: about {found.MINUTES:g} min")
-        found.make(found.FULL, Work(artefacts, parts_of(name, found.FULL), told))
+        parts = parts_of(name, found.FULL)
+        found.make(found.FULL, Work(artefacts, parts, told))
+        shutil.rmtree(parts, ignore_errors=True)  # who makes it again wants it anew
 
 
 def current(found: Module, artefacts: Artefacts) -> bool:
@@ -48,9 +52,10 @@ def current(found: Module, artefacts: Artefacts) -> bool:
 
 
 def parts_of(name: str, settings: Any) -> Path:
-    """A folder for what is finished of a page: of these settings and versions, of no others."""
+    """A folder for what is finished of a page: of these settings, versions and code, no others."""
     versions = [version(package) for package in DECISIVE]
-    digest = hashlib.sha256(repr((settings, versions)).encode()).hexdigest()[:8]
+    said = repr((settings, versions, code_digest("")))
+    digest = hashlib.sha256(said.encode()).hexdigest()[:8]
     return PARTS / f"{pages.stem(name)}-{digest}"
 
 

@@ -91,6 +91,12 @@ def test_another_setting_is_told_and_has_parts_of_its_own():
     assert parts_of("studies.budgets", other) != parts_of("studies.budgets", found.FULL)
 
 
+def test_what_other_code_had_finished_is_not_taken_over(monkeypatch):
+    before = parts_of("studies.scaling", contents.module("studies.scaling").FULL)
+    monkeypatch.setattr("experiments.__main__.code_digest", lambda *rooms: "of other code")
+    assert parts_of("studies.scaling", contents.module("studies.scaling").FULL) != before
+
+
 def test_what_is_read_is_made_before():
     made: set[str] = set()
     for name in contents.NAMES:
