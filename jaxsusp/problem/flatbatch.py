@@ -1,5 +1,6 @@
 """One flat batch of candidates whatever `vmap` adds: runs join it, scenarios are taken in turn."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -9,6 +10,10 @@ from jax.custom_batching import custom_vmap
 
 from jaxsusp._types import Array
 
+BLOCK = 1024
+"""Candidates at a time: with 40 samples an array of theirs takes 160 KiB, of which a core's own
+cache holds several. A thousand runs side by side take 2.2 times as long without."""
+
 
 def one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Array], Array]:
     """Let a function of (coefficients, candidates (N, D)) see one flat batch whatever `vmap` adds.
@@ -17,6 +22,7 @@ def one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Ar
     differ, are taken in turn: one body of code whatever their number keeps a run bit-equal
     whether its scenario is alone or stacked.
     """
+    function = _in_blocks(function)
 
     @custom_vmap
     def batched(coefficients, x: Array) -> Array:
@@ -35,6 +41,23 @@ def one_flat_batch(function: Callable[[Any, Array], Array]) -> Callable[[Any, Ar
         return _in_turn(function, coefficients, x), True
 
     return batched
+
+
+def _in_blocks(function: Callable[[Any, Array], Array]) -> Callable[[Any, Array], Array]:
+    """The same of any number of candidates, on a CPU no more of them at a time than `BLOCK`."""
+
+    def found(coefficients: Any, x: Array) -> Array:
+        count = len(x)
+        if count <= BLOCK or jax.default_backend() != "cpu":
+            return function(coefficients, x)
+        blocks = -(-count // BLOCK)
+        size = -(-count // blocks)
+        last = jnp.broadcast_to(x[-1:], (blocks * size - count, x.shape[1]))  # only fills up
+        cut = jnp.concatenate([x, last]).reshape(blocks, size, -1)
+        each = jax.lax.map(functools.partial(function, coefficients), cut)
+        return each.reshape(-1, *each.shape[2:])[:count]
+
+    return found
 
 
 def _in_turn(function: Callable[[Any, Array], Array], coefficients: Any, x: Array) -> Array:
