@@ -3,7 +3,7 @@
     python -m benchmarks.kernels sdbo
 
 One that takes much longer for an element than its operations would is not vectorised. So far that
-was because of a call of the C library (arctan2, powers), because coefficients were looked up
+was because of a call of the C library (arctan2, cbrt, powers), because coefficients were looked up
 within the kernel (`problem.flatbatch`), or because it joined arrays.
 """
 
@@ -20,13 +20,14 @@ import jax.numpy as jnp
 
 from jaxsusp.comparison.workunit import stack_scenarios
 from jaxsusp.optim import batch
+from jaxsusp.optim.base import require_compiled
 from jaxsusp.optim.devices import configure
 from jaxsusp.optim.loop import run_key
 from jaxsusp.optim.registry import algorithm
 from jaxsusp.scenario.builtin import scenarios
 from jaxsusp.scenario.scenario import load_scenario
 
-RUNS, POPULATION, ITERATIONS, SHOWN = 20, 30, 20, 15
+RUNS, POPULATION, ITERATIONS, SHOWN = 10, 30, 20, 15  # runs of every device
 
 
 class Kernel(NamedTuple):
@@ -67,11 +68,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.kernels", description=__doc__)
     parser.add_argument("algorithm", nargs="?", default="pso", help="which search (default pso)")
     optimizer = algorithm(parser.parse_args().algorithm)
+    require_compiled(optimizer)
     configure(keep=False)
     six = [load_scenario(name) for name in scenarios()]
     (group,) = stack_scenarios(six, waypoints=5, samples=40, search="free-space")
     devices = tuple(jax.devices())
-    keys = jax.vmap(lambda run: run_key(0, optimizer.name, run))(jnp.arange(RUNS))
+    keys = jax.vmap(lambda run: run_key(0, optimizer.name, run))(jnp.arange(RUNS * len(devices)))
     placed, start, go = batch._programs(devices, POPULATION, 2 * ITERATIONS, 0, False)
     arguments = placed(group.problems, optimizer, keys)
     begun = start(*arguments)

@@ -52,7 +52,7 @@ def current(found: Module, artefacts: Artefacts) -> bool:
 
 
 def parts_of(name: str, settings: Any) -> Path:
-    """A folder for what is finished of a page: of these settings, versions and code, no others."""
+    """A folder for what is finished of a page, with these settings, versions and package's code."""
     versions = [version(package) for package in DECISIVE]
     said = repr((settings, versions, code_digest("")))
     digest = hashlib.sha256(said.encode()).hexdigest()[:8]

@@ -99,8 +99,8 @@ def angle(a: Vec3, b: Vec3) -> Array:
 def _arctan_of_ratio(y: Array, x: Array) -> Array:
     """`arctan2` of what is not negative, in [0, π/2].
 
-    XLA has a CPU call the C library for every `arctan2`, a seventh of the time of the whole
-    fitness; single precision is within reach of a polynomial, which is vectorised.
+    XLA has a CPU call the C library for every `arctan2`, which took a seventh of the time of a
+    search; single precision is within reach of a polynomial, which is vectorised.
     """
     if y.dtype != jnp.float32:
         return jnp.arctan2(y, x)

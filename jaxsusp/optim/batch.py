@@ -17,6 +17,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from jaxsusp._types import Array
 from jaxsusp.optim.base import AnyOptimizer, HostOptimizer, Optimizer
+from jaxsusp.optim.devices import accelerated
 from jaxsusp.optim.host import Evaluate, HostBatch, run_on_host, time_on_host
 from jaxsusp.optim.loop import Progress, advance, begin, run_key
 from jaxsusp.optim.outcome import Outcome
@@ -24,14 +25,14 @@ from jaxsusp.optim.programs import at_hand, kept_in
 from jaxsusp.problem.problem import Problem
 
 ONCE = {"xla_backend_optimization_level": 1}
-"""How a program is compiled that runs but once: in two thirds of the time, to the same bits."""
+"""How a program is compiled that runs but once: in two thirds of the time."""
 
 BRIEF, LONG = {"xla_backend_optimization_level": 2}, {"xla_backend_optimization_level": 3}
-"""How one is that iterates: BRIEF takes two thirds of the time to compile and a tenth more in every
-iteration. Both compute the same bits."""
+"""How one is that iterates, on a CPU: BRIEF takes two thirds of the time to compile and a tenth
+more in every iteration. What they compute differs in the last place of a number here and there."""
 
 MANY = 10_000_000
-"""Candidates in one batch from which on `LONG` is the quicker."""
+"""Candidates in one batch from which on `LONG` is the quicker; elsewhere it always is taken."""
 
 CHUNKS = 20
 """Parts in which a run is advanced, each reported to the progress callback."""
@@ -163,8 +164,8 @@ def _launched(
         padded = [*runs, *[runs[-1]] * (each * len(devices) - len(runs))]
         keys = jax.vmap(functools.partial(run_key, seed, optimizer.name))(jnp.asarray(padded))
         sizes = population, iterations, room
-        scenarios = len(problems.lower)
-        is_long = scenarios * each * len(devices) * population * room >= MANY
+        candidates = len(problems.lower) * wanted * population * room  # on however many devices
+        is_long = accelerated() or candidates >= MANY
         placed, start, advance_all = _programs(tuple(devices), *sizes, is_long)
         arguments = placed(problems, optimizer, keys)
         begun = at_hand(start, devices, *arguments, part="start", sizes=sizes)(*arguments)

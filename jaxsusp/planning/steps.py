@@ -136,7 +136,8 @@ def foresee(scenario: Scenario, settings: Settings, waypoints: int) -> None:
     """Have the search with given ends compiled while it is still being found out what it is for."""
     small = len(scenario.obstacles) <= FORESEEN and settings.search != "box"
     if small and settings.ends == "given" and settings.optimizer is not None:
-        prepare(load_problem(scenario, _any_space(scenario), settings, waypoints), settings, 0)
+        with suppress(InputError):  # what cannot be searched is told where it is found out
+            prepare(load_problem(scenario, _any_space(scenario), settings, waypoints), settings, 0)
 
 
 def _any_space(scenario: Scenario) -> FreeSpace:

@@ -67,7 +67,7 @@ def _in_turn(function: Callable[[Any, Array], Array], coefficients: Any, x: Arra
     does, coefficients would be looked up within every kernel, whose loops LLVM then leaves
     unvectorised: a search of six scenarios would take 1.8 times as long.
     """
-    count = len(x)
+    count, table = len(x), jax.tree.map(jnp.asarray, coefficients)
 
     def of(i) -> Any:
         return jax.tree.map(lambda leaf: jax.lax.dynamic_index_in_dim(leaf, i, 0, False), table)
@@ -76,6 +76,5 @@ def _in_turn(function: Callable[[Any, Array], Array], coefficients: Any, x: Arra
         following, candidates = each
         return of(following), function(own, candidates)
 
-    table = jax.tree.map(jnp.asarray, coefficients)
     following = jnp.minimum(jnp.arange(1, count + 1, dtype=jnp.int32), count - 1)
     return jax.lax.scan(turn, of(0), (following, x))[1]

@@ -58,6 +58,19 @@ def test_runs_of_different_lengths_share_a_program_with_room_for_both(scenarios,
     assert (short.history[..., 0] == whole.history[..., 0]).all(), "inertia begins alike"
 
 
+@pytest.mark.parametrize("name", ["pso", "sdbo"])
+def test_a_batch_of_many_candidates_has_another_program_and_the_same_numbers(
+    name, scenarios, traced, monkeypatch
+):
+    problems = stacked([scenarios[0], scenarios[2]])
+    few = run_batch(problems, algorithm(name), 0, range(4), **SIZES)
+    monkeypatch.setattr(batch, "MANY", 1)
+    many = run_batch(problems, algorithm(name), 0, range(4), **SIZES)
+    np.testing.assert_allclose(many.history, few.history, rtol=TOLERANCE)
+    _, _, go = batch._programs(tuple(jax.devices()[:2]), 30, 40, 40, True)
+    assert go._cache_size() >= 1
+
+
 def test_one_compilation_serves_all_six_scenarios(scenarios, traced):
     """Stacked or one after the other, scenarios of one shape never compile twice."""
     traces = []

@@ -120,8 +120,7 @@ def crossover(
 def _power(base: Array, exponent) -> Array:
     """Base to the exponent, the base not below 0 but for rounding.
 
-    XLA has a CPU call the C library for every power, which took longer than the fitness does;
-    exponentials and logarithms are vectorised.
+    XLA has a CPU call the C library for every power; exponentials and logarithms are vectorised.
     """
     return jnp.exp(exponent * jnp.log(base.clip(0)))
 

@@ -21,7 +21,7 @@ TARGETS = np.logspace(0, -3, 31)
 """Gaps above the best known fitness, 100 % to 0.1 %, ten per decade."""
 
 AT_A_TIME = 2_000_000
-"""Numbers of histories, each against every target, that are looked at at a time."""
+"""Numbers that are compared at a time, those of all histories with each of some targets."""
 
 
 def reached(ds: xr.Dataset, algorithm: str) -> tuple[Float[np.ndarray, "steps"], np.ndarray]:

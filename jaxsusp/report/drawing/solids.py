@@ -128,7 +128,9 @@ class Camera(NamedTuple):
 @functools.lru_cache(maxsize=64)
 def _frame_of(camera: Camera) -> np.ndarray:
     right = np.array([-np.sin(camera.azimuth), np.cos(camera.azimuth), 0.0])
-    return np.stack([right, np.cross(camera.towards, right)])
+    frame = np.stack([right, np.cross(camera.towards, right)])
+    frame.setflags(write=False)  # shared by all that look the same way
+    return frame
 
 
 def of_obstacles(obstacles: Iterable[Any]) -> list[Solid]:
